@@ -9,7 +9,6 @@ use base::percentile::Sorted;
 use base::task::Progress;
 use cloud::morton::MortonGrid;
 use cloud::octree::{Octree, build_octree};
-use cloud::{Order, build};
 use kit::{made_up, reading, steps};
 use lab::synth::SynthKind;
 use points::Scan;
@@ -62,7 +61,7 @@ fn run_step(step: &str, path: &Path) -> Result<()> {
     match step {
         "read" => drop(black_box(scan)),
         "sort" => drop(black_box(sort(&scan))),
-        "flat" => drop(black_box(build(&scan, Order::Morton, &Progress::hidden())?)),
+        "flat" => drop(black_box(cloud::build(&scan, &Progress::hidden())?)),
         _ => drop(black_box(octree(&scan)?)),
     }
     let (seconds, cores) = (start.elapsed().as_secs_f64(), core_seconds() - core_start);

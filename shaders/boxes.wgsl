@@ -8,9 +8,6 @@
 /// The counters as words, num_visible first; see CullCounters.
 @group(0) @binding(7) var<storage, read> counters: array<u32>;
 
-/// How strongly an edge covers the image, before and behind surfaces.
-const EDGE_ALPHA: vec2<f32> = vec2<f32>(0.9, 0.2);
-
 struct Edge {
     @builtin(position) position: vec4<f32>,
     @location(0) depth: f32,
@@ -57,7 +54,7 @@ fn box_vertex(vertex: u32, low: vec3<f32>, size: vec3<f32>, color: vec3<f32>) ->
     let ends = array<vec3<f32>, 2>(clipped(eye, p, q), clipped(eye, q, p));
     let along = px_of(eye, ends[1]) - px_of(eye, ends[0]);
     let length = length(along);
-    if length < 1e-3 {
+    if length < 0.001 {
         return NO_EDGE;
     }
     // Triangles p− p+ q− and q− p+ q+.

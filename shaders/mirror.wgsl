@@ -27,11 +27,6 @@ fn corner(@builtin(vertex_index) index: u32) -> Corner {
     return Corner(vec4f(uv.x * 2.0 - 1.0, 1.0 - uv.y * 2.0, 0.0, 1.0), uv);
 }
 
-fn srgb_from_linear(linear: vec3f) -> vec3f {
-    let curved = 1.055 * pow(linear, vec3f(1.0 / 2.4)) - 0.055;
-    return select(curved, 12.92 * linear, linear <= vec3f(0.0031308));
-}
-
 @fragment
 fn pixel(in: Corner) -> @location(0) vec4f {
     let linear = textureSample(image, image_sampler, min(in.uv * drawn.size, drawn.last)).rgb;

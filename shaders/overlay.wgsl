@@ -3,25 +3,13 @@
 @group(0) @binding(4) var<storage, read> sums: array<vec2<u32>>;
 @group(0) @binding(5) var<storage, read> wide: array<vec4<u32>>;
 
-/// Octaves of depth, from the near clip on, that the ramp tells apart: up to 2^14 times as far.
-const DEPTH_OCTAVES: f32 = 14.0;
-/// Points in a pixel, as a power of two, from which on the ramp stays white.
-const OVERDRAW_OCTAVES: f32 = 6.0;
-/// How strongly a ring's color covers the image, inside and at its edge.
-const RING_ALPHA: vec2<f32> = vec2<f32>(0.22, 0.9);
-
-/// Colors from little to much, dark to light, in sRGB.
-const RAMP: array<vec3<f32>, 6> = array<vec3<f32>, 6>(
-    vec3<f32>(0.05, 0.03, 0.2), vec3<f32>(0.2, 0.25, 0.7), vec3<f32>(0.6, 0.2, 0.6),
-    vec3<f32>(0.9, 0.4, 0.2), vec3<f32>(1.0, 0.8, 0.2), vec3<f32>(1.0, 1.0, 1.0),
-);
 /// Color of a pixel without points.
 const NOTHING: vec4<f32> = vec4<f32>(0.0, 0.0, 0.0, 1.0);
 
 fn ramp(share: f32) -> vec4<f32> {
-    var stops = RAMP;
-    let at = clamp(share, 0.0, 1.0) * 5.0;
-    let stop = min(u32(at), 4u);
+    var stops = OVERLAY_RAMP;
+    let at = clamp(share, 0.0, 1.0) * f32(RAMP_STEPS);
+    let stop = min(u32(at), RAMP_STEPS - 1u);
     return vec4<f32>(linear_from_srgb(mix(stops[stop], stops[stop + 1u], at - f32(stop))), 1.0);
 }
 

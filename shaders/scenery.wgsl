@@ -30,17 +30,6 @@ struct SceneryUniform {
 @group(0) @binding(2) var card: texture_2d<f32>;
 @group(0) @binding(3) var card_sampler: sampler;
 
-/// Half the width of a line of the grid, meters; every tenth line is wider.
-const LINE_M: vec2<f32> = vec2<f32>(0.008, 0.02);
-/// Distance at which the grid is faint, meters.
-const GRID_REACH_M: f32 = 14.0;
-/// How strongly a card that lies behind points covers them: it is to be read all the same.
-const CARD_BEHIND_ALPHA: f32 = 0.85;
-/// Cosines of the angles from the direction of view between which the vignette begins, strongest first, and the width
-/// of its edge.
-const VIGNETTE_COS: vec2<f32> = vec2<f32>(0.9, 0.55);
-const VIGNETTE_EDGE: f32 = 0.12;
-
 // The bits of the nearest point's depth at a place in the image.
 fn depth_at(position: vec4<f32>) -> u32 {
     if scenery.has_points == 0u {
@@ -61,7 +50,7 @@ fn covered(at: f32, width: f32, cell: f32, half_line: f32) -> f32 {
     let line = 2.0 * half_line / cell;
     let below_low = floor(low) * line + min(fract(low), line);
     let below_high = floor(high) * line + min(fract(high), line);
-    return (below_high - below_low) / max(high - low, 1e-6);
+    return (below_high - below_low) / max(high - low, GRID_LEAST_CELLS);
 }
 
 fn lines(at: vec2<f32>, width: vec2<f32>, cell: f32, half_line: f32) -> f32 {
@@ -81,9 +70,10 @@ fn grid(ray: vec3<f32>) -> f32 {
     let at = eye.xz + far * ray.xz;
     let right = far * (scenery.ray_right.xz - ray.xz * (scenery.ray_right.y / ray.y));
     let down = far * (scenery.ray_down.xz - ray.xz * (scenery.ray_down.y / ray.y));
-    let width = max(abs(right) + abs(down), vec2<f32>(1e-4));
+    let width = max(abs(right) + abs(down), vec2<f32>(GRID_LEAST_WIDTH_M));
     let distance = length(far * ray);
-    let seen = max(0.6 * lines(at, width, 1.0, LINE_M.x), lines(at, width, 10.0, LINE_M.y));
+    let narrow = lines(at, width, GRID_CELL_M, GRID_LINE_M);
+    let seen = max(GRID_LINE_ALPHA * narrow, lines(at, width, GRID_WIDE_CELL_M, GRID_WIDE_LINE_M));
     return seen * exp(-distance / GRID_REACH_M);
 }
 
@@ -91,7 +81,7 @@ fn grid(ray: vec3<f32>) -> f32 {
 fn surround_at(ray: vec3<f32>) -> vec3<f32> {
     let up = ray.y / length(ray);
     let end = select(scenery.ground, scenery.sky, up > 0.0);
-    var color = mix(scenery.horizon, end, 1.0 - exp(-4.0 * abs(up)));
+    var color = mix(scenery.horizon, end, 1.0 - exp(-HORIZON_FALLOFF * abs(up)));
     if scenery.has_grid != 0u {
         color = mix(color, scenery.line, grid(ray));
     }
@@ -116,9 +106,9 @@ fn surround(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 fn vignette(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let ray = ray_at(position.xy);
     let from_ahead = dot(ray, scenery.ahead) / length(ray);
-    let begin = mix(VIGNETTE_COS.y, VIGNETTE_COS.x, scenery.vignette);
-    let dark = 1.0 - smoothstep(begin - VIGNETTE_EDGE, begin, from_ahead);
-    return vec4<f32>(0.0, 0.0, 0.0, dark * min(4.0 * scenery.vignette, 1.0));
+    let begin = mix(VIGNETTE_WIDE_COS, VIGNETTE_NARROW_COS, scenery.vignette);
+    let dark = 1.0 - smoothstep(begin - VIGNETTE_EDGE_COS, begin, from_ahead);
+    return vec4<f32>(0.0, 0.0, 0.0, dark * min(VIGNETTE_RISE * scenery.vignette, 1.0));
 }
 
 struct Corner {
@@ -140,12 +130,12 @@ fn corner(
 
 // The card's color: four places in a pixel, since it may be drawn at half its size.
 fn card_at(at: vec2<f32>) -> vec3<f32> {
-    let right = 0.25 * dpdx(at);
-    let down = 0.25 * dpdy(at);
-    var sum = textureSampleLevel(card, card_sampler, at + right + 0.5 * down, 0.0).rgb;
-    sum += textureSampleLevel(card, card_sampler, at - right - 0.5 * down, 0.0).rgb;
-    sum += textureSampleLevel(card, card_sampler, at + down - 0.5 * right, 0.0).rgb;
-    sum += textureSampleLevel(card, card_sampler, at - down + 0.5 * right, 0.0).rgb;
+    let right = CARD_STEP * dpdx(at);
+    let down = CARD_STEP * dpdy(at);
+    var sum = textureSampleLevel(card, card_sampler, at + right + CARD_TURN * down, 0.0).rgb;
+    sum += textureSampleLevel(card, card_sampler, at - right - CARD_TURN * down, 0.0).rgb;
+    sum += textureSampleLevel(card, card_sampler, at + down - CARD_TURN * right, 0.0).rgb;
+    sum += textureSampleLevel(card, card_sampler, at - down + CARD_TURN * right, 0.0).rgb;
     return 0.25 * sum;
 }
 

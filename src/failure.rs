@@ -1,6 +1,7 @@
 //! Why a command fails: one type from where it happens to where somebody decides by it.
 
 use crate::desktop::DesktopError;
+use crate::draw::no_gpu;
 use crate::loader::LoadError;
 use crate::offscreen::PictureError;
 use crate::walk::WalkError;
@@ -39,7 +40,7 @@ pub enum Failure {
     #[error(transparent)]
     Synth(#[from] SynthError),
     /// There is no GPU that can be used.
-    #[error(transparent)]
+    #[error("{}", no_gpu(.0))]
     Gpu(#[from] GpuError),
     /// There is no headset to walk with.
     #[error(transparent)]

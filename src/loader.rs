@@ -1,7 +1,7 @@
 //! The walk's loader: it makes points of files, keeps them, and brings an octree of them to each GPU that the walk gets,
 //! whose nodes are drawn as they come, the root first.
 
-use crate::nodes::{self, CloudOptions, LodMethod};
+use crate::nodes::{self, CloudOptions};
 use crate::walk::filling::{Filling, Loaded, ScanRequest};
 use crate::walk::kind::ScanKind;
 use crate::walk::link::{LoadState, WalkEnd};
@@ -44,7 +44,8 @@ impl Loader {
     /// another scan begins, `failed` with the reason why a scan cannot be shown.
     pub fn run(&self, fillings: &Receiver<Filling>, another: impl Fn(), failed: impl Fn(LoadError)) {
         let mut kept: Option<LoadedScan> = None;
-        // A GPU that was lost meanwhile: the walk takes it for filled when this goes, so it goes when another comes.
+        // A GPU that was lost meanwhile, or that no scan is wanted on yet: the walk takes it for filled when this goes, so it
+        // goes when another comes.
         let mut unfilled: Option<Filling> = None;
         while let Ok(first) = fillings.recv() {
             drop(unfilled.take());
@@ -54,6 +55,11 @@ impl Loader {
                 another();
                 // The memory of the one before goes before this one takes as much.
                 kept = None;
+            }
+            if filling.scan.files.is_empty() {
+                self.link.update_load(|load| load.scan = Some(Arc::clone(&filling.scan)));
+                unfilled = Some(filling);
+                continue;
             }
             let filled = self.fill(&filling, &mut kept);
             // No work goes on any more, however loading ended.
@@ -110,21 +116,16 @@ impl Loader {
     /// Work that the terminal and the window show.
     fn task(&self, stop: &CancelToken) -> Task {
         let watching = self.link.clone();
-        Task::in_terminal(stop).observed(move |count| watching.set_doing(Some(Arc::clone(count))))
+        Task::in_terminal(stop).observed(move |count| {
+            tracing::info!("{} begins", count.now().what);
+            watching.set_doing(Some(Arc::clone(count)));
+        })
     }
 
-    /// Sends a scan to the GPU, in the form that the settings ask for, or without level of detail where it gets no octree;
-    /// returns its bytes there.
+    /// Sends a scan to the GPU in the form that the settings ask for; returns its bytes there.
     fn send(&self, kept: &LoadedScan, filling: &Filling) -> Result<u64, LoadError> {
-        let task = self.task(&filling.stop);
-        match self.send_as(&self.options, kept, filling, &task) {
-            Err(error) if self.options.lod == Some(LodMethod::Octree) => {
-                stay_flat(error, &self.link)?;
-                let flat = CloudOptions { lod: None, ..self.options.clone() };
-                self.send_as(&flat, kept, filling, &task)
-            }
-            sent => sent,
-        }
+        let sent = self.send_as(&self.options, kept, filling, &self.task(&filling.stop));
+        sent.map_err(|error| if self.options.is_octree() { error.of_octree() } else { error })
     }
 
     /// Sends a scan to the GPU in this form. The walk begins as soon as something of it can be drawn.
@@ -186,20 +187,6 @@ impl LoadedScan {
     }
 }
 
-/// Tells the user that a scan gets no level of detail; the walk is through all points then.
-///
-/// # Errors
-/// Somebody asked for an end, or the GPU is lost, and with it the walk.
-fn stay_flat(error: LoadError, link: &WalkEnd) -> Result<(), LoadError> {
-    if error.is_cancelled() || error.is_lost() {
-        return Err(error);
-    }
-    let warning = format!("without level of detail, every point is drawn always: {error}");
-    eprintln!("scanwalk: warning: {warning}");
-    link.update_load(|load| load.warnings.push(warning));
-    Ok(())
-}
-
 /// Why nothing, or nothing more, of a scan is shown.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {
@@ -212,9 +199,19 @@ pub enum LoadError {
     /// The cloud cannot be sent to the GPU.
     #[error(transparent)]
     Upload(#[from] UploadError),
+    /// There is no octree of the scan; without one it takes less.
+    #[error("{0}; --set lod.enabled=false takes 16 bytes a point for 20, and draws every point always")]
+    Octree(Box<LoadError>),
 }
 
 impl LoadError {
+    /// The same failure of an octree, unless it would fail without one too.
+    fn of_octree(self) -> Self {
+        let is_other =
+            self.is_cancelled() || self.is_lost() || matches!(self, Self::Build(BuildError::Empty));
+        if is_other { self } else { Self::Octree(Box::new(self)) }
+    }
+
     /// True if the GPU is lost, and with it all that it shows.
     #[must_use]
     pub fn is_lost(&self) -> bool {
@@ -256,46 +253,32 @@ mod tests {
     use super::*;
     use crate::walk::filling::Filler;
     use crate::walk::link;
+    use crate::walk::state::Snapshot;
     use base::task::Cancelled;
-    use cloud::Order;
     use lab::synth::{self, SynthKind, SynthOptions};
     use points::ReadOptions;
     use render::gpu::Gpu;
+    use render::gpu::PollError;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
-    /// The panel says what keeps a scan from getting its octree, and the walk goes on.
+    /// Who has too small a GPU for an octree is told what takes less.
     #[test]
-    fn a_scan_without_level_of_detail_says_why() {
-        let errors: [LoadError; 4] = [
-            BuildError::TooMany(3_000_000_000).into(),
-            BuildError::Empty.into(),
-            BuildError::TooManyDiscs(2_000_000_000).into(),
-            UploadError::OutOfMemory {
-                points: 5,
-                bytes: 80,
-                source: wgpu::Error::Internal { source: "full".into(), description: "full".into() },
-            }
-            .into(),
-        ];
-        for error in errors {
-            let (link, _actions, viewer) = link::link();
+    fn a_scan_without_an_octree_says_why_and_what_to_do() {
+        let full = UploadError::OutOfMemory {
+            points: 5,
+            bytes: 80,
+            source: wgpu::Error::Internal { source: "full".into(), description: "full".into() },
+        };
+        for error in [LoadError::from(BuildError::TooMany(3_000_000_000)), full.into()] {
             let reason = error.to_string();
-            stay_flat(error, &link).expect("the walk goes on");
-            let [warning] = &viewer.load().warnings[..] else { panic!("{reason}") };
-            assert!(
-                warning.contains("every point is drawn always") && warning.contains(&reason),
-                "{warning}"
-            );
+            let told = error.of_octree().to_string();
+            assert!(told.contains("lod.enabled=false") && told.contains(&reason), "{told}");
         }
         for stopped in [BuildError::from(Cancelled).into(), UploadError::Cancelled(Cancelled).into()] {
-            let (link, _actions, viewer) = link::link();
-            stay_flat(stopped, &link).expect_err("nothing more is wanted");
-            assert!(viewer.load().warnings.is_empty());
+            assert!(LoadError::of_octree(stopped).is_cancelled());
         }
-        let (link, _actions, viewer) = link::link();
-        stay_flat(UploadError::Lost(wgpu::PollError::Timeout).into(), &link)
-            .expect_err("there is no GPU any more");
-        assert!(viewer.load().warnings.is_empty());
+        let lost = UploadError::Lost(PollError::Wait(wgpu::PollError::Timeout));
+        assert!(LoadError::from(lost).of_octree().is_lost());
     }
 
     /// A scan that cannot be read keeps nobody from opening another.
@@ -309,15 +292,10 @@ mod tests {
         let out = base::output::Output::new(&good, synth::SCAN).unwrap();
         synth::write(&SynthOptions { kind, out, points, seed }, &CancelToken::default()).unwrap();
         let request =
-            |file| Arc::new(ScanRequest { files: vec![file], read: ReadOptions::default(), kind: None });
-        let (link, _actions, viewer) = link::link();
+            |file| Arc::new(ScanRequest { files: vec![file], read: ReadOptions::AS_FILES_SAY, kind: None });
+        let (link, _actions, viewer) = link::link(Snapshot::sample());
         let (mut filler, fillings) = Filler::new(request(broken), &CancelToken::default());
-        let options = CloudOptions {
-            lod: Some(LodMethod::Octree),
-            order: Order::Morton,
-            cull_backfaces: false,
-            chunk_limit: 0,
-        };
+        let options = CloudOptions { lod: true, lab: None, chunk_limit: 0 };
         let loader = Loader { options, link, stop: CancelToken::default() };
         let (begun, failed) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let count = |number: &AtomicUsize| _ = number.fetch_add(1, Ordering::SeqCst);
@@ -347,17 +325,12 @@ mod tests {
         let rgb = vec![[100; 3]; xyz.len()];
         let made = points::ScanBuilder::new(points::Grid::default(), xyz).rgb(rgb);
         let scan = made.color(points::ColorSource::default()).scan();
-        let (link, _actions, _viewer) = link::link();
-        let request = Arc::new(ScanRequest { files: vec![], read: ReadOptions::default(), kind: None });
+        let (link, _actions, _viewer) = link::link(Snapshot::sample());
+        let request = Arc::new(ScanRequest { files: vec![], read: ReadOptions::AS_FILES_SAY, kind: None });
         let (mut filler, fillings) = Filler::new(Arc::clone(&request), &CancelToken::default());
         let loaded = filler.fill(&gpu);
         let filling = fillings.recv().unwrap();
-        let options = CloudOptions {
-            lod: Some(LodMethod::Octree),
-            order: Order::Morton,
-            cull_backfaces: false,
-            chunk_limit: 0,
-        };
+        let options = CloudOptions { lod: true, lab: None, chunk_limit: 0 };
         // `counts` has what has come when the walk is told, observed on the loader's own thread between two runs of
         // nodes.
         let counts = Arc::new(std::sync::Mutex::new(Vec::new()));

@@ -176,11 +176,11 @@ fn left_over(ranges: &[Range], seen: &[DVec3], axis: usize, from: DVec2) -> [f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use base::space::{Bounds, Eye, Pose};
+    use base::space::{Eye, Pose};
     use proptest::prelude::*;
 
     fn scene(samples: Vec<DVec3>) -> Scene {
-        Scene { bounds: Bounds::around(&samples), samples }
+        Scene::around(samples)
     }
 
     /// The part of the picture that the scene's silhouette spans, across and down, as from 0 to 1; `None` if a part of

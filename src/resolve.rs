@@ -1,18 +1,20 @@
 //! Resolves the settings once, to what each room is told. No room below sees [`Config`].
 
-use crate::config::{Config, NearClip, Setting, ValueKind};
+use crate::config::{self, Config, NearClip, Setting};
 use crate::desktop::{Widget, Widgets, WindowOptions};
 use crate::draw::DrawPlan;
-use crate::nodes::{CloudOptions, LodMethod};
+use crate::nodes::CloudOptions;
 use crate::walk::WalkOptions;
+use crate::walk::appearance::{PresetOptions, QualityPreset};
 use crate::walk::governor::GovernorOptions;
 use crate::walk::headsets::{HeadsetOptions, Wish};
 use crate::walk::kind::ScanKind;
 use crate::walk::locomotion::LocomotionOptions;
+use crate::walk::moving::VignetteOptions;
 use crate::walk::simulated::SimulatedOptions;
-use crate::walk::state::SpeedFactor;
+use crate::walk::state::{AppState, SpeedFactor};
 use base::space::Fov;
-use lab::technique::{DISCS_REACH_PX, LabTechnique};
+use lab::LabOptions;
 use points::ReadOptions;
 use render::layout::{ALL_PLANES, Detail};
 use render::options::{Dilate, Precision};
@@ -56,9 +58,8 @@ impl Plan {
     /// What `config` comes to.
     #[must_use]
     pub fn of(config: &Config) -> Self {
-        let Config {
-            gpu, cloud, frame, lod, governor, headset, surround, simulated, locomotion, window, ..
-        } = config;
+        let Config { gpu, cloud, frame, lod, headset, surround, simulated, locomotion, window, .. } = config;
+        let lab = lab_options(config);
         let [outward, inward, up, down] = simulated.fov_deg.map(f64::to_radians);
         Self {
             adapter: gpu.adapter.clone(),
@@ -71,15 +72,14 @@ impl Plan {
                 show_withheld: cloud.show_withheld,
             },
             cloud: CloudOptions {
-                lod: lod.enabled.then_some(lod.method),
-                order: cloud.order,
-                cull_backfaces: lod.cull_backfaces,
+                lod: lod.enabled,
+                lab: lab.cloud(),
                 chunk_limit: u64::from(gpu.chunk_mib) << 20,
             },
             draw: DrawPlan {
-                options: options(config),
-                technique: technique(config),
-                tier: gpu.tier,
+                options: lab.technique().amended(options(config)),
+                technique: lab.technique(),
+                tier: gpu.tier.0,
                 near: frame.near_m.meters(),
                 near_yields: frame.near_m == NearClip::Auto,
             },
@@ -99,7 +99,7 @@ impl Plan {
                 refresh_hz: simulated.refresh_hz,
                 eye_height_m: simulated.eye_height_m,
             },
-            kind: locomotion.seen_as.kind(),
+            kind: locomotion.seen_as.0,
             walk: WalkOptions {
                 locomotion: LocomotionOptions {
                     speed_m_per_s: (locomotion.speed > 0.0).then_some(locomotion.speed),
@@ -111,29 +111,46 @@ impl Plan {
                     turn_rad_per_s: locomotion.turn_deg_per_s.to_radians(),
                     look_rad_per_px: locomotion.look_deg_per_px.to_radians(),
                     reach_m: locomotion.reach_m,
-                    vignette: locomotion.vignette as f32,
+                    vignette: VignetteOptions {
+                        at_start: locomotion.vignette as f32,
+                        range: range("locomotion.vignette").map(|limit| limit as f32),
+                    },
                 },
-                governor: GovernorOptions { enabled: governor.enabled, budget: governor.budget as f32 },
+                governor: governor_options(config),
                 overlay: window.overlay,
+                labels: locomotion.labels,
                 speed: SpeedFactor {
                     at_start: locomotion.speed_factor as f32,
                     range: range("locomotion.speed_factor").map(|limit| limit as f32),
                 },
-                surround: surround.show.then_some(Surround {
+                surround: Surround {
                     sky: surround.sky,
                     horizon: surround.horizon,
                     ground: surround.ground,
                     grid: surround.grid.then_some(surround.line),
+                },
+                shows_surround: surround.show,
+                presets: QualityPreset::ALL.map(|preset| {
+                    let config = with_preset(config, preset);
+                    let draw = lab.technique().amended(options(&config));
+                    PresetOptions { draw, governor: governor_options(&config) }
                 }),
             },
             window: WindowOptions {
                 size: window.size,
                 panel: window.panel,
                 mirror: window.mirror,
+                recent: window.recent,
                 widgets: widgets(),
             },
             digest: config.digest(),
         }
+    }
+
+    /// A walk's state at start.
+    #[must_use]
+    pub fn state_at_start(&self) -> AppState {
+        self.walk.state_at_start(self.draw.options)
     }
 
     /// What is asked of headsets.
@@ -143,14 +160,11 @@ impl Plan {
     }
 }
 
-/// What a frame is to look like. A method that is of one quality decides it, so `frame.quality` is read only here.
+/// What a frame of the program's own is to look like.
 fn options(config: &Config) -> DrawOptions {
     let Config { gpu, frame, fovea, lod, .. } = config;
-    // Discs have sizes of their own and are drawn at these.
-    let discs = lod.enabled && lod.method == LodMethod::Spt;
     let reach_px = match frame.dilate {
         Dilate::Off => NO_REACH_PX,
-        Dilate::Rings if discs => DISCS_REACH_PX,
         Dilate::Rings => RINGS_REACH_PX,
     };
     let detail = Detail {
@@ -159,33 +173,49 @@ fn options(config: &Config) -> DrawOptions {
         ring_rad: fovea.ring_deg.map(f64::to_radians),
         smooth: fovea.smooth,
         fade: lod.fade,
-        fill_reach_px: ((frame.fill || discs) && !frame.method.draws_pixels()).then_some(reach_px),
+        fill_reach_px: frame.fill.then_some(reach_px),
     };
-    let quality = frame.method.quality().unwrap_or(frame.quality);
     let access = Access { checked: gpu.bounds_checks || Access::default().checked, ..Access::default() };
-    DrawOptions { quality, dilate: frame.dilate, background: frame.background, detail, access }
+    DrawOptions { quality: frame.quality, dilate: frame.dilate, background: frame.background, detail, access }
 }
 
-/// Technique by which frames are drawn.
-fn technique(config: &Config) -> LabTechnique {
-    let Config { gpu, frame, lod, .. } = config;
-    let discs = lod.enabled && lod.method == LodMethod::Spt;
-    LabTechnique {
+/// How frames are kept within their time.
+fn governor_options(config: &Config) -> GovernorOptions {
+    let governor = &config.governor;
+    GovernorOptions { enabled: governor.enabled, budget: governor.budget as f32 }
+}
+
+/// The same settings with those of a preset.
+fn with_preset(config: &Config, preset: QualityPreset) -> Config {
+    // The presets come with the program, and a test loads each.
+    config::with_preset(config, preset.name()).expect("a preset")
+}
+
+/// What the laboratory's settings say.
+fn lab_options(config: &Config) -> LabOptions {
+    let Config { gpu, cloud, frame, lod, .. } = config;
+    LabOptions {
         method: frame.method,
         early_z_load: gpu.early_z_load,
-        keep_unseen: !frame.cull,
-        error_px: discs.then_some(lod.error_px as f32),
+        cull: frame.cull,
+        lod: lod.enabled.then_some(lod.method),
+        order: cloud.order,
+        error_px: lod.error_px as f32,
+        cull_backfaces: lod.cull_backfaces,
     }
 }
 
 /// A widget for every setting, as the panel would show it.
 fn widgets() -> Widgets {
-    let widget = |setting: &Setting| Widget {
-        title: Widget::title_of(setting.name),
-        help: format!("{}: {}", setting.key, setting.help()),
-        names: if let ValueKind::Choice(names) = setting.kind() { names } else { &[] },
-        range: setting.range,
-        unit: setting.unit,
+    let widget = |setting: &Setting| {
+        let kind = setting.kind();
+        Widget {
+            title: Widget::title_of(setting.name),
+            help: format!("{}: {}", setting.key, setting.help()),
+            names: kind.names(),
+            range: setting.range.or(kind.range()),
+            unit: setting.unit,
+        }
     };
     Setting::all().map(|setting| (setting.key, widget(setting))).collect()
 }
@@ -200,7 +230,8 @@ fn range(key: &str) -> [f64; 2] {
 mod tests {
     use super::*;
     use lab::technique::Method;
-    use render::options::{Overlay, Quality};
+    use lab::{LabCloud, LodMethod};
+    use render::options::Quality;
 
     fn plan(change: impl FnOnce(&mut Config)) -> Plan {
         let mut config = Config::default();
@@ -229,7 +260,6 @@ mod tests {
         let Fov { left, right, up, down } = simulated.left_fov;
         assert!((left + 1.0).abs() + (up - 1.0).abs() + (down + 1.0).abs() < 1e-12 && right < 0.0);
         assert_eq!(walk.locomotion.speed_m_per_s, None);
-        assert_eq!(Plan::default().walk.locomotion, LocomotionOptions::default());
         let fast = plan(|config| config.locomotion.speed = 3.0);
         assert_eq!(fast.walk.locomotion.speed_m_per_s, Some(3.0));
     }
@@ -238,11 +268,27 @@ mod tests {
     fn level_of_detail_is_one_answer() {
         let lod = |enabled, method| {
             let plan = plan(|config| (config.lod.enabled, config.lod.method) = (enabled, method));
-            (plan.cloud.lod, plan.draw.technique.error_px.is_some())
+            let CloudOptions { lod, lab, .. } = plan.cloud;
+            (lod, lab, plan.draw.technique.error_px.is_some())
         };
-        assert_eq!(lod(false, LodMethod::Spt), (None, false));
-        assert_eq!(lod(true, LodMethod::Octree), (Some(LodMethod::Octree), false));
-        assert_eq!(lod(true, LodMethod::Spt), (Some(LodMethod::Spt), true));
+        assert_eq!(lod(false, LodMethod::Spt), (false, None, false));
+        assert_eq!(lod(true, LodMethod::Octree), (true, None, false));
+        let tree = LabCloud::Tree { cull_backfaces: false };
+        assert_eq!(lod(true, LodMethod::Spt), (true, Some(tree), true));
+    }
+
+    #[test]
+    fn a_walk_changes_to_what_a_preset_begins_with() {
+        let changed = Plan::default().walk.presets;
+        for (preset, options) in QualityPreset::ALL.into_iter().zip(changed) {
+            let begun = Plan::of(&config::load(&[preset.name().into()], None, &[]).unwrap());
+            assert_eq!(
+                (options.draw, options.governor),
+                (begun.draw.options, begun.walk.governor),
+                "{preset:?}"
+            );
+        }
+        assert!(changed[0] != changed[1] && changed[1] != changed[2]);
     }
 
     #[test]
@@ -253,21 +299,6 @@ mod tests {
         for near_m in [0.04, auto.draw.near] {
             let set = plan(|config| config.frame.near_m = NearClip::Meters(near_m));
             assert!(!set.draw.near_yields && set.draw.near == near_m && set.headset.near_m == near_m);
-        }
-    }
-
-    /// Logs, tables and the names of screenshots write what a user writes.
-    #[test]
-    fn rooms_name_their_choices_as_settings_do() {
-        let kinds = [ValueKind::of::<Overlay>(), ValueKind::of::<Quality>(), ValueKind::of::<Method>()];
-        let overlays = Overlay::ALL.map(|overlay| (toml::Value::try_from(overlay), overlay.name()));
-        let qualities =
-            [Quality::Closest, Quality::Hqs].map(|quality| (toml::Value::try_from(quality), quality.name()));
-        let methods = Method::ALL.map(|method| (toml::Value::try_from(method), method.name()));
-        for (kind, choices) in kinds.into_iter().zip([&overlays[..], &qualities, &methods]) {
-            let ValueKind::Choice(names) = kind else { panic!("{kind:?}") };
-            assert!(choices.iter().all(|(value, name)| value.as_ref().unwrap().as_str() == Some(name)));
-            assert!(choices.iter().map(|(_, name)| name).eq(names));
         }
     }
 
@@ -292,8 +323,11 @@ mod tests {
     #[test]
     fn the_walk_keeps_to_the_limits_of_the_settings() {
         let speed = plan(|config| config.locomotion.speed_factor = 2.0).walk.speed;
-        assert_eq!(speed, SpeedFactor { at_start: 2.0, ..SpeedFactor::default() });
+        assert_eq!(speed, SpeedFactor { at_start: 2.0, ..Plan::default().walk.speed });
         let widgets = Plan::default().window.widgets;
         assert_eq!(widgets["locomotion.speed_factor"].range, Some(speed.range.map(f64::from)));
+        let vignette = plan(|config| config.locomotion.vignette = 0.25).walk.locomotion.vignette;
+        assert_eq!((vignette.at_start, vignette.range), (0.25, [0.0, 1.0]));
+        assert_eq!(widgets["locomotion.vignette"].range, Some(vignette.range.map(f64::from)));
     }
 }

@@ -28,7 +28,8 @@ use xr::Headset;
 
 /// How long a headset without a window shows why the scan could not be loaded.
 const ERROR_STAYS: Duration = Duration::from_secs(10);
-/// How long the end of a walk waits for a runtime or a driver that does not answer.
+/// How long the end of a walk waits for a runtime or a driver that does not answer. A user waits for two seconds at most,
+/// of which the rest of the end has what is left.
 const LEAVE_WITHIN: Duration = Duration::from_millis(1500);
 /// Time between two looks whether a thread has ended.
 const LOOK_EVERY: Duration = Duration::from_millis(10);
@@ -36,7 +37,7 @@ const LOOK_EVERY: Duration = Duration::from_millis(10);
 /// How to walk.
 #[derive(Clone, Debug)]
 pub struct ViewOptions {
-    /// Files, shown as one cloud.
+    /// Files, shown as one cloud; none if they are chosen in the window.
     pub scans: Vec<PathBuf>,
     /// Whether to use a headset.
     pub headset: Wish,
@@ -84,7 +85,12 @@ pub fn run(
     if stop.is_cancelled() {
         return Ok(());
     }
-    let (link, actions, viewer) = link::link();
+    if options.scans.is_empty() && display.is_none() {
+        let what_to_do = "name a scan, as in `scanwalk view castle.laz`; only a window lets one choose";
+        return Err(Failure::Usage(format!("no scan: {what_to_do}")));
+    }
+    let at_start = plan.state_at_start().snapshot();
+    let (link, actions, viewer) = link::link(at_start);
     let request = ScanRequest { files: options.scans.clone(), read: plan.read.clone(), kind: plan.kind };
     let (filler, fillings) = Filler::new(Arc::new(request), stop);
     let mut headsets = SoughtHeadsets::open(plan.headsets(options.headset), link.clone(), filler)?;
@@ -94,7 +100,7 @@ pub fn run(
     let ending = Arc::new(Ending::new(stop));
 
     // The threads borrow nothing, for they may have to be left behind.
-    let loader = Loader { options: plan.cloud.clone(), link: link.clone(), stop: stop.clone() };
+    let loader = Loader { options: plan.cloud, link: link.clone(), stop: stop.clone() };
     // A window stays until the user has read the error and closes it, unless nobody may be there. Who wears a headset
     // without a window reads it for some seconds, for a script may wait for the end.
     let error_stays = match &display {
@@ -134,7 +140,7 @@ pub fn run(
     let (walk_stop, has_window) = (stop.clone(), display.is_some());
     let frames = thread(&ending, move |ending| {
         let summary = walk.run(&mut headsets).map_err(|error| ending.fail(error.into())).ok();
-        // The end of the walk ends the others too, but for a window that still shows what has failed.
+        // The end of the walk ends the others too, except a window that still shows what has failed.
         if !ending.has_failed() || !has_window {
             walk_stop.cancel();
         }
@@ -254,5 +260,39 @@ fn finish_log(log: Option<&FrameLog>, options: &ViewOptions) {
             output.path().display(),
             counted(summary.num_rows, "frame")
         );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+
+    /// Threads are held for as long as the test likes, so that only one that waits no longer comes back.
+    #[test]
+    fn nobody_waits_for_threads_that_are_held_once_the_end_is_asked_for() {
+        assert!(LEAVE_WITHIN < Duration::from_secs(2));
+        let (stop, mut threads) = (CancelToken::default(), Threads::Ended);
+        let mut leaving = Leaving { stop: &stop, since: None, threads: &mut threads };
+        let held = || {
+            let (release, wait) = channel::<()>();
+            (release, std::thread::spawn(move || wait.recv().is_ok()))
+        };
+        // A thread that ends is waited for, before the end is asked for and after.
+        for is_asked in [false, true] {
+            let (release, thread) = held();
+            if is_asked {
+                stop.cancel();
+            }
+            release.send(()).expect("the thread waits");
+            assert_eq!(leaving.join(thread), Some(true));
+        }
+        // The second is held as long as the first: the time that is waited is for both.
+        let [(first, one), (second, other)] = [held(), held()];
+        assert_eq!(leaving.join(one), None);
+        let since = leaving.since.expect("the end was seen");
+        assert_eq!(leaving.join(other), None);
+        assert_eq!((leaving.since, threads), (Some(since), Threads::LeftBehind));
+        assert!(first.send(()).is_ok() && second.send(()).is_ok(), "both are still there");
     }
 }

@@ -200,6 +200,7 @@ fn the_window_outlives_its_gpu() {
     let screen = Screen::start();
     let window = ChildWindow::open("another", &screen);
     window.xdotool(&["key", "Tab"]);
+    window.cue();
     window.wait_command("another GPU", 0);
     window.xdotool(&["windowsize", &window.id, "1100", "700"]);
     wait_quarters(&window, [0.0, 0.0, 1100.0, 700.0], true, 0);
@@ -220,10 +221,11 @@ fn closing_the_window_ends_the_walk() {
 
 fn the_end_of_the_walk_closes_the_window() {
     let screen = Screen::start();
-    let (line, log) = ChildWindow::open("stop", &screen).wait_end();
-    assert_silent((line, log));
-    let (line, log) = ChildWindow::open("vanish", &screen).wait_end();
-    assert_silent((line, log));
+    for role in ["stop", "vanish"] {
+        let window = ChildWindow::open(role, &screen);
+        window.cue();
+        assert_silent(window.wait_end());
+    }
 }
 
 fn loading_and_its_failure_are_shown() {
@@ -263,7 +265,7 @@ fn the_validation_layer_can_object() {
 /// Waits until the picture is as wanted at two looks in a row, between which only the panel's plots may move.
 fn settled(window: &ChildWindow, wanted: impl Fn(&Picture) -> bool) -> Picture {
     let mut before: Option<Picture> = None;
-    wait_for("the picture", 20.0, || {
+    wait_for("the picture", || {
         let now = Some(window.picture()).filter(&wanted);
         let stays = before.as_ref().zip(now.as_ref()).is_some_and(|(a, b)| a.num_different(b) < 4000);
         before = now;
@@ -274,7 +276,7 @@ fn settled(window: &ChildWindow, wanted: impl Fn(&Picture) -> bool) -> Picture {
 /// Asks the window to close as a desktop's close button does, and checks a good end.
 fn close(window: ChildWindow) {
     window.ask_to_close();
-    let commands = wait_for("Quit", 10.0, || {
+    let commands = wait_for("Quit", || {
         let commands = window.commands();
         commands.iter().any(|c| c == "Quit").then_some(commands)
     });

@@ -115,8 +115,8 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
     let depths = NAMES.map(|name| gpu.buffer(name, size, usage));
     let unused = gpu.buffer("unused", 16, BufferUsages::STORAGE);
     let stages: [Stage<EyeSet>; 2] = [
-        Stage::new(gpu, "dilate", &shaders::source("dilate", Variant::eyes(1))),
-        Stage::new(gpu, "direct", &direct_source()),
+        Stage::new(gpu, "dilate", &shaders::source("dilate", Variant::eyes(1)))?,
+        Stage::new(gpu, "direct", &direct_source())?,
     ];
     let groups: Vec<wgpu::BindGroup> = stages
         .iter()
@@ -155,7 +155,7 @@ fn measure(gpu: &Gpu, size_px: [u32; 2], empty_percent: u32, num_runs: usize) ->
         timer.end(&mut encoder, &images[0]);
         gpu.queue.lock().submit([encoder.finish()]);
         timer.submitted();
-        gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
+        gpu.poll(wgpu::PollType::wait_indefinitely())?;
         let times = timer.collect(gpu, |times| [0, 1].map(|stage| f64::from(times.stage_ms[stage])));
         let times = times.context("the device gave no times")?;
         if run == 0 {

@@ -2,7 +2,8 @@
 
 use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
-use render::layout::{Detail, EMPTY_DEPTH, ViewUniform};
+use kit::frames::SAMPLE_DETAIL;
+use render::layout::{EMPTY_DEPTH, ViewUniform};
 
 /// Depth bits and color of each pixel. `empty_percent` of the pixels of the plate and of the wall are missing, and the
 /// wall shows through the gaps of the plate.
@@ -43,6 +44,6 @@ pub fn view(size_px: [u32; 2]) -> ViewUniform {
     // No direction has these cosines, so all are in the outer ring.
     ViewUniform {
         ring_cos: [2.0; 2],
-        ..ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &Detail::default())
+        ..ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &SAMPLE_DETAIL)
     }
 }

@@ -199,7 +199,7 @@ impl StereoContestant for StereoHardware {
 
 /// Waits until the GPU has done everything; returns milliseconds since `began`.
 fn wait(gpu: &Gpu, began: Instant) -> Result<f64> {
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
+    gpu.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
     Ok(1e3 * began.elapsed().as_secs_f64())
 }
 

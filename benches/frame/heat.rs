@@ -181,7 +181,7 @@ fn access() -> Heat {
 }
 
 fn flat(options: DrawOptions) -> ComputePlan {
-    ComputePlan { layered: false, singles: false, atomics: None, options, technique: LabTechnique::default() }
+    ComputePlan { layered: false, singles: false, atomics: None, options, technique: LabTechnique::OWN }
 }
 
 fn layered(options: DrawOptions) -> ComputePlan {

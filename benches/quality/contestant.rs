@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use base::space::View;
 use base::task::Progress;
 use cloud::Cloud;
-use kit::frames::image;
+use kit::frames::{image, sample_options};
 use kit::quality::picture::{EyePicture, only_eye};
 use kit::quality::scene::DrawnScan;
 use kit::quality::supersample::{self, FACTOR};
@@ -12,7 +12,7 @@ use lab::bench::point_list::{self, VertexList};
 use render::DrawOptions;
 use render::gpu::{Gpu, readback};
 use render::layout::depth_of;
-use render::options::{Dilate, Precision, Quality, Tier};
+use render::options::{Dilate, Precision, Quality};
 use render::{self, CloudBuffers, EyeImage, Renderer, Setup};
 use scanwalk::config::{Config, FrameConfig};
 use scanwalk::resolve::Plan;
@@ -34,7 +34,7 @@ pub type MakeContestant = fn(&Arc<Gpu>, &DrawnScan, [u32; 2]) -> Result<Box<dyn 
 /// All contestants by name; the others' holes and flicker are told as shares of the first one's.
 pub const CONTESTANTS: [(&str, MakeContestant); 9] = [
     ("point-list", |gpu, scene, size_px| Ok(Box::new(EyeHardware::new(gpu, &scene.cloud, size_px)?))),
-    ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, DrawOptions::default())),
+    ("closest-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, sample_options())),
     ("hqs-flat", |gpu, scene, size_px| flat(gpu, scene, size_px, hqs(&|_| ()))),
     ("lod-hqs", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|_| ()))),
     ("lod-hqs-fade", |gpu, scene, size_px| layered(gpu, scene, size_px, hqs(&|c| c.lod.fade = true))),
@@ -116,7 +116,7 @@ struct EyeCompute {
 
 impl EyeCompute {
     fn new(gpu: &Arc<Gpu>, cloud: CloudBuffers, size_px: [u32; 2], options: DrawOptions) -> Result<Self> {
-        let atomics = render::tier(gpu, Tier::Auto)?;
+        let atomics = render::tier(gpu, None)?;
         let setup = Setup { sizes_px: vec![size_px], color_format: FORMAT, depth_format: None, atomics };
         let mut renderer = Renderer::new(gpu, setup, options)?;
         renderer.set_cloud(cloud)?;

@@ -2,17 +2,17 @@
 // `uncounted_` and its name there.
 
 fn key_in(eye: u32, pixel: u32) -> Key {
-    count_look();
+    count_read();
     return uncounted_key_in(eye, pixel);
 }
 
 fn plain_depth_in(eye: u32, pixel: u32) -> u32 {
-    count_look();
+    count_read();
     return uncounted_plain_depth_in(eye, pixel);
 }
 
 fn depth_in(eye: u32, pixel: u32) -> u32 {
-    count_look();
+    count_read();
     return uncounted_depth_in(eye, pixel);
 }
 
@@ -37,7 +37,7 @@ fn lock(eye: u32, pixel: u32, seen: u32) -> bool {
 }
 
 fn counts(eye: u32, pixel: u32, w: f32) -> bool {
-    count_look();
+    count_read();
     let is_near = uncounted_counts(eye, pixel, w);
     if is_near {
         count_color();

@@ -4,7 +4,7 @@
 struct Counts {
     num_drawn: atomic<u32>,
     num_asked: atomic<u32>,
-    num_looks: atomic<u32>,
+    num_reads: atomic<u32>,
     num_colors: atomic<u32>,
     num_chosen: atomic<u32>,
     reserved: array<u32, 3>,
@@ -64,8 +64,8 @@ fn count_ask() {
 }
 
 // Counts a load of a pixel's word, made to see whether an atomic is worth it.
-fn count_look() {
-    atomicAdd(&count_bins[this_thread].num_looks, 1u);
+fn count_read() {
+    atomicAdd(&count_bins[this_thread].num_reads, 1u);
 }
 
 // Counts a load of a point's color.

@@ -1,8 +1,9 @@
 //! Arguments of the smaller commands.
 
 use super::parse;
-use clap::{Args, ValueEnum};
-use lab::synth;
+use clap::Args;
+use lab::bench::Table;
+use lab::synth::SynthKind;
 use std::path::PathBuf;
 
 /// Say what is in the files.
@@ -14,6 +15,10 @@ pub struct InfoArgs {
     /// Refuse all files if one cannot be read to its end, instead of showing the rest [default: cloud.strict]
     #[arg(long)]
     pub strict: bool,
+    /// Say which values each attribute has, and at how many points, instead of where the points lie; the files may be
+    /// larger than memory
+    #[arg(long)]
+    pub attributes: bool,
     /// For programs: one JSON object
     #[arg(long)]
     pub json: bool,
@@ -40,10 +45,10 @@ pub struct ConvertArgs {
 The same kind, points and seed give the same bytes on every machine.")]
 pub struct SynthArgs {
     /// What to make, each in the point order that such a device writes
-    #[arg(value_name = "KIND")]
-    pub kind: synth::SynthKind,
-    /// The file to write, which must not be there yet (see --force); .ply, a mesh with normals, for photogrammetry only
-    #[arg(short, long, value_name = "OUT.las|OUT.laz|OUT.ply")]
+    #[arg(value_name = "KIND", value_parser = parse::choice::<SynthKind>())]
+    pub kind: SynthKind,
+    /// The file to write.
+    #[arg(short, long, value_name = "OUT", help = lab::synth::out_help())]
     pub out: PathBuf,
     /// How many points
     #[arg(long, value_name = "N", default_value = "4000000", value_parser = clap::value_parser!(u64).range(1..))]
@@ -60,8 +65,8 @@ pub struct BenchArgs {
     #[arg(value_name = "SCAN", help = parse::scan_help())]
     pub scan: Option<PathBuf>,
     /// Which paper's table [default: all]
-    #[arg(long, value_name = "TABLE")]
-    pub table: Option<BenchTable>,
+    #[arg(long, value_name = "TABLE", value_parser = parse::choice::<Table>())]
+    pub table: Option<Table>,
     /// Millions of points of the made-up scans, one after the other [default: on a GPU 145, or what memory holds; on a
     /// software driver 1]
     #[arg(long, value_name = "M,M,…", value_delimiter = ',', conflicts_with = "scan", value_parser = parse::millions)]
@@ -84,24 +89,6 @@ pub struct BenchArgs {
     /// For programs: a row a line
     #[arg(long)]
     pub csv: bool,
-}
-
-/// Tables of the papers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum BenchTable {
-    /// 40-bit depths and two passes.
-    #[value(name = "2019")]
-    Paper2019,
-    /// Point cloud rasterization with compute shaders.
-    #[value(name = "2021")]
-    Paper2021,
-    /// Batches, quantized coordinates, virtual reality.
-    #[value(name = "2022")]
-    Paper2022,
-    /// Both eyes.
-    Vr,
-    /// Sequential point trees.
-    Spt,
 }
 
 /// Say what measurements show.
@@ -146,8 +133,8 @@ pub struct SettingsArgs {
     /// Only those of the laboratory: the papers' methods, and what one needs to compare, to measure and to look for faults
     #[arg(long, conflicts_with = "words")]
     pub laboratory: bool,
-    /// Settings that belong together, as `view` and `render` take them; may be repeated
-    #[arg(long, value_name = "NAME")]
+    /// Settings that belong together, as `view` and `render` take them.
+    #[arg(long, value_name = "NAME", help = parse::presets_help())]
     pub preset: Vec<String>,
 }
 

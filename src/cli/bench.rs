@@ -1,31 +1,23 @@
 //! `scanwalk bench`: the papers' tables on this machine, as text, CSV or JSON on stdout, and as a page.
 
+use super::BenchArgs;
 use super::report::bench_document;
-use super::{BenchArgs, BenchTable};
 use crate::failure::Failure;
 use crate::resolve::Plan;
-use crate::walk::start::start;
+use crate::walk::start::{EYE_HEIGHT_M, start};
 use base::output::{OutputKind, Outputs};
 use base::task::Task;
 use glam::DVec3;
 use lab::bench::{self, BenchOptions, Table};
 use lab::report::BenchResults;
 use points::Scene;
+use render::gpu::Gpu;
 use std::io::{self, Write};
-
-/// Height of the eye above the floor, meters.
-const EYE_HEIGHT_M: f64 = 1.7;
+use std::sync::Arc;
 
 /// Measures, writes the page if one is wanted, prints the results.
 pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> Result<(), Failure> {
-    let tables = match args.table {
-        None => vec![Table::Paper2019, Table::Paper2021, Table::Paper2022, Table::Vr, Table::Spt],
-        Some(BenchTable::Paper2019) => vec![Table::Paper2019],
-        Some(BenchTable::Paper2021) => vec![Table::Paper2021],
-        Some(BenchTable::Paper2022) => vec![Table::Paper2022],
-        Some(BenchTable::Vr) => vec![Table::Vr],
-        Some(BenchTable::Spt) => vec![Table::Spt],
-    };
+    let tables = args.table.map_or(Table::ALL.to_vec(), |table| vec![table]);
     let known = bench::methods(&tables);
     if let Some(unknown) = args.method.iter().find(|name| !known.contains(&name.as_str())) {
         let known = known.join(", ");
@@ -35,7 +27,7 @@ pub(super) fn run(args: &BenchArgs, mut outputs: Outputs, plan: &Plan, task: &Ta
         scan: args.scan.clone(),
         read: plan.read.clone(),
         eyes,
-        adapter: plan.adapter.clone(),
+        gpu: Arc::new(Gpu::open(Some(&plan.adapter))?),
         chunk_limit: plan.cloud.chunk_limit,
         headset_options: Plan::default().draw.options,
         tables,

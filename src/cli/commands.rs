@@ -1,15 +1,13 @@
 //! From arguments to work: resolves the settings, refuses what does not exist yet, calls the command.
 
 use super::{
-    Cli, Command, HeadsetChoice, InfoArgs, RenderArgs, SynthArgs, ViewArgs, WindowChoice, bench, doctor,
-    files, report, settings,
+    Cli, Command, InfoArgs, RenderArgs, SynthArgs, ViewArgs, bench, doctor, files, report, settings,
 };
 use crate::config::{Config, ConfigError, load};
 use crate::failure::Failure;
 use crate::offscreen::{self, PictureFov, PictureOptions};
 use crate::resolve::Plan;
 use crate::view::{self, Threads, ViewOptions};
-use crate::walk::headsets::Wish;
 use base::output::{OutputKind, Outputs, Partials};
 use base::task::{CancelToken, Task};
 use lab::synth::{self, SynthOptions};
@@ -31,7 +29,7 @@ fn run_with(
     let outputs = files::check(cli, partials)?;
     let config = config(cli)?;
     let plan = &Plan::of(&config);
-    plan.draw.technique.check_itself().map_err(|error| Failure::Usage(error.to_string()))?;
+    plan.draw.check().map_err(|error| Failure::Usage(error.to_string()))?;
     let task = &Task::in_terminal(stop);
     match &cli.command {
         Command::View(args) => view(args, outputs, plan, stop, threads),
@@ -88,16 +86,8 @@ fn view(
 ) -> Result<(), Failure> {
     let options = ViewOptions {
         scans: args.scans.clone(),
-        headset: match args.headset {
-            HeadsetChoice::Auto => Wish::Auto,
-            HeadsetChoice::Require => Wish::On,
-            HeadsetChoice::Off => Wish::Off,
-        },
-        window: match args.window {
-            WindowChoice::Auto => Wish::Auto,
-            WindowChoice::On => Wish::On,
-            WindowChoice::Off => Wish::Off,
-        },
+        headset: args.headset,
+        window: args.window,
         log: outputs.take_one(OutputKind::FrameLog),
         frames: args.frames,
         seconds: args.seconds,
@@ -127,7 +117,8 @@ fn render(args: &RenderArgs, mut outputs: Outputs, plan: &Plan, task: &Task) -> 
 }
 
 fn info(args: &InfoArgs, plan: &Plan, task: &Task) -> Result<(), Failure> {
-    let text = points::info::text(&args.scans, args.json, &plan.read, task)?;
+    let say = if args.attributes { points::info::attributes_text } else { points::info::text };
+    let text = say(&args.scans, args.json, &plan.read, task)?;
     Ok(std::io::stdout().lock().write_all(text.as_bytes())?)
 }
 

@@ -16,11 +16,9 @@ mod report;
 mod settings;
 mod view;
 
-pub use args::{
-    BenchArgs, BenchTable, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SettingsArgs, SynthArgs,
-};
+pub use args::{BenchArgs, ConvertArgs, DoctorArgs, InfoArgs, ReportArgs, SettingsArgs, SynthArgs};
 pub use render::{Lod, RenderArgs};
-pub use view::{HeadsetChoice, ViewArgs, WindowChoice};
+pub use view::ViewArgs;
 
 use base::output::Partials;
 use clap::{Parser, Subcommand};
@@ -41,7 +39,7 @@ pub struct Cli {
 
 const EXAMPLES: &str = "Examples:
   scanwalk view castle.laz                      walk through it: headset, or window if there is none
-  scanwalk view *.laz --log frames.csv          several files as one scan, with a log of every frame
+  scanwalk view a.laz b.laz --log frames.csv    several files as one scan, with a log of every frame
   scanwalk render castle.laz -o castle.png      a picture of the whole, without a window
   scanwalk synth terrestrial -o yard.laz        a made-up scan to try things with
   scanwalk report frames.csv                    was the walk smooth, and which stage costs?

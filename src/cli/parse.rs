@@ -1,7 +1,11 @@
 //! Values on the command line: points, sizes, colors, numbers in a range; and what is said of scans.
 
-use crate::config::Setting;
+use crate::config::{PRESETS, Setting};
+use crate::walk::headsets::Wish;
+use base::choice::Choice;
+use clap::builder::{PossibleValue, PossibleValuesParser, StyledStr, TypedValueParser};
 use glam::DVec3;
+use lab::LodMethod;
 use std::str::FromStr;
 
 /// Largest edge of a picture in pixels.
@@ -17,11 +21,53 @@ pub(super) fn scan_help() -> String {
     format!("A {} file to measure with [default: made-up ones]", points::format_names("or"))
 }
 
+/// Help text for `--preset`.
+pub(super) fn presets_help() -> String {
+    let presets = PRESETS.map(|preset| format!("{}: {}", preset.name, preset.meaning()));
+    format!("Settings that belong together; may be repeated. {}", presets.join("; "))
+}
+
 /// Help text for an option that stands for a setting: what the setting means, and that its value is the default.
 pub(super) fn setting_help(key: &str) -> String {
     // A key that is not in the table is a mistake of the option, which every test of the command line shows.
     let setting = Setting::find(key).expect("a setting");
-    format!("{} [default: {key}]", setting.help())
+    format!("{} [default: {key}]", setting.meaning())
+}
+
+/// Parses one of the values of a choice by its name.
+pub(super) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    named(T::ALL.iter().copied().zip(T::NAMES.iter().copied().zip(T::meanings())))
+}
+
+/// Parses one of these values by its name; help says what each means.
+fn named<T: Copy + Send + Sync + 'static>(
+    values: impl IntoIterator<Item = (T, (&'static str, impl Into<StyledStr>))>,
+) -> impl TypedValueParser<Value = T> {
+    let (values, names): (Vec<T>, Vec<PossibleValue>) = values
+        .into_iter()
+        .map(|(value, (name, meaning))| (value, PossibleValue::new(name).help(meaning)))
+        .unzip();
+    let known: Vec<String> = names.iter().map(|name| name.get_name().to_owned()).collect();
+    // The parser lets no other names through.
+    PossibleValuesParser::new(names)
+        .map(move |name| values[known.iter().position(|known| *known == name).expect("a known name")])
+}
+
+/// Parses whether to use something that may be absent. These are the names of [`Wish::Auto`], [`Wish::On`] and
+/// [`Wish::Off`], with what they mean.
+pub(super) fn wish(names: [(&'static str, &'static str); 3]) -> impl TypedValueParser<Value = Wish> {
+    named([Wish::Auto, Wish::On, Wish::Off].into_iter().zip(names))
+}
+
+/// Parses whether there is level of detail, and by what.
+pub(super) fn lod() -> impl TypedValueParser<Value = Option<LodMethod>> {
+    let methods = LodMethod::ALL.map(Some);
+    let words = LodMethod::NAMES.iter().copied().zip(LodMethod::meanings());
+    let on_and_off = [
+        (Some(LodMethod::Octree), ("on", "what matters is drawn, by an octree".to_owned())),
+        (None, ("off", "every point is drawn".to_owned())),
+    ];
+    named(on_and_off.into_iter().chain(methods.into_iter().zip(words)))
 }
 
 /// Parses three parts between commas.

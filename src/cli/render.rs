@@ -2,10 +2,10 @@
 
 use super::parse;
 use crate::config::{Config, SimulatedConfig};
-use crate::nodes::LodMethod;
-use clap::{Args, ValueEnum};
-use cloud::Order;
+use clap::Args;
 use glam::DVec3;
+use lab::LodMethod;
+use lab::order::Order;
 use lab::technique::Method;
 use render::options::{Dilate, Precision, Quality};
 use std::path::PathBuf;
@@ -51,28 +51,20 @@ pub struct RenderArgs {
     /// Distance of the eyes for --stereo, in meters
     #[arg(long, value_name = "M", default_value_t = SimulatedConfig::default().eye_distance_m, value_parser = parse::eye_distance)]
     pub ipd: f64,
-    /// Settings that belong together; may be repeated. plain: every point, one a pixel; quality, balanced,
-    /// performance: as the headset would draw; valve-index, meta-quest-3, bigscreen-beyond-2: headsets to simulate
-    #[arg(long, value_name = "NAME", default_value = PLAIN)]
+    /// Settings that belong together.
+    #[arg(long, value_name = "NAME", default_value = PLAIN, help = parse::presets_help())]
     pub preset: Vec<String>,
-    /// How points get into pixels.
-    #[arg(long, value_name = "NAME", help = parse::setting_help("frame.method"))]
-    pub method: Option<Method>,
-    /// Order of the points in memory.
-    #[arg(long, value_name = "NAME", help = parse::setting_help("cloud.order"))]
-    pub order: Option<Order>,
     /// What a pixel shows of the points in it.
-    #[arg(long, value_name = "HOW", help = parse::setting_help("frame.quality"))]
+    #[arg(long, value_name = "HOW", value_parser = parse::choice::<Quality>(), help = parse::setting_help("frame.quality"))]
     pub quality: Option<Quality>,
-    /// Level of detail: the nodes of an octree that matter, or the discs of a sequential point tree; on: octree
-    /// [default: lod.enabled and lod.method]
-    #[arg(long, value_name = "HOW")]
+    /// Level of detail [default: lod.enabled and lod.method]
+    #[arg(long, value_name = "HOW", value_parser = parse::lod())]
     pub lod: Option<Lod>,
     /// How gaps between points are filled.
-    #[arg(long, value_name = "HOW", help = parse::setting_help("frame.dilate"))]
+    #[arg(long, value_name = "HOW", value_parser = parse::choice::<Dilate>(), help = parse::setting_help("frame.dilate"))]
     pub dilate: Option<Dilate>,
     /// Coordinate bits that are read.
-    #[arg(long, value_name = "HOW", help = parse::setting_help("frame.precision"))]
+    #[arg(long, value_name = "HOW", value_parser = parse::choice::<Precision>(), help = parse::setting_help("frame.precision"))]
     pub precision: Option<Precision>,
     /// Also write each pixel's distance, as a NumPy array; - for stdout
     #[arg(long, value_name = "OUT.npy")]
@@ -83,7 +75,16 @@ pub struct RenderArgs {
     /// Also write counts and times, as JSON; - for stdout
     #[arg(long, value_name = "OUT.json")]
     pub metrics: Option<PathBuf>,
+    /// How points get into pixels.
+    #[arg(long, value_name = "NAME", value_parser = parse::choice::<Method>(), help = parse::setting_help("frame.method"), help_heading = LABORATORY, hide_short_help = true)]
+    pub method: Option<Method>,
+    /// Order of the points in memory.
+    #[arg(long, value_name = "NAME", value_parser = parse::choice::<Order>(), help = parse::setting_help("cloud.order"), help_heading = LABORATORY, hide_short_help = true)]
+    pub order: Option<Order>,
 }
+
+/// Heading over the options that compare the papers' methods.
+const LABORATORY: &str = "For the laboratory";
 
 const EXAMPLES: &str = "Examples:
   scanwalk render castle.laz -o castle.png
@@ -91,18 +92,8 @@ const EXAMPLES: &str = "Examples:
   scanwalk render castle.laz -o castle.png --preset balanced
   scanwalk render castle.laz -o castle.png --stereo --ipd 0.065 --depth castle.npy";
 
-/// Whether there is level of detail, and by what.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Lod {
-    /// By an octree.
-    On,
-    /// Without one: every point is drawn.
-    Off,
-    /// By an octree, as `on` has it.
-    Octree,
-    /// By a sequential point tree.
-    Spt,
-}
+/// What level of detail goes by; `None` if every point is drawn.
+pub type Lod = Option<LodMethod>;
 
 impl RenderArgs {
     /// Writes the command's own options over the settings: afterwards the configuration is the one place to look for
@@ -116,8 +107,8 @@ impl RenderArgs {
         frame.precision = self.precision.unwrap_or(frame.precision);
         frame.background = self.background.unwrap_or(frame.background);
         if let Some(wanted) = self.lod {
-            lod.enabled = wanted != Lod::Off;
-            lod.method = if wanted == Lod::Spt { LodMethod::Spt } else { LodMethod::Octree };
+            lod.enabled = wanted.is_some();
+            lod.method = wanted.unwrap_or(lod.method);
         }
     }
 }

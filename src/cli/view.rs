@@ -1,25 +1,26 @@
 //! Arguments of `scanwalk view`.
 
 use super::parse;
-use clap::{Args, ValueEnum};
+use crate::walk::headsets::Wish;
+use clap::Args;
 use std::path::PathBuf;
 
 /// Walk through scans.
 #[derive(Clone, Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct ViewArgs {
-    /// Files that are one scan.
-    #[arg(required = true, value_name = "SCAN", help = parse::scans_help())]
+    /// Files that are one scan; a window without any lets one choose.
+    #[arg(value_name = "SCAN", help = parse::scans_help() + ". Without any, the window lets one choose")]
     pub scans: Vec<PathBuf>,
     /// Refuse all files if one cannot be read to its end, instead of showing the rest [default: cloud.strict]
     #[arg(long)]
     pub strict: bool,
-    /// auto: the headset if one answers, else the desktop; require: fail without one
-    #[arg(long, value_name = "WHEN", default_value = "auto")]
-    pub headset: HeadsetChoice,
-    /// auto: a window if there is a display
-    #[arg(long, value_name = "WHEN", default_value = "auto")]
-    pub window: WindowChoice,
+    /// Whether to use a headset
+    #[arg(long, value_name = "WHEN", default_value = "auto", value_parser = parse::wish(HEADSET))]
+    pub headset: Wish,
+    /// Whether to open a window
+    #[arg(long, value_name = "WHEN", default_value = "auto", value_parser = parse::wish(WINDOW))]
+    pub window: Wish,
     /// Write a line for every frame; `scanwalk report` reads it
     #[arg(long, value_name = "FRAMES.csv")]
     pub log: Option<PathBuf>,
@@ -29,14 +30,23 @@ pub struct ViewArgs {
     /// Stop by itself after S seconds
     #[arg(long, value_name = "S", value_parser = parse::seconds)]
     pub seconds: Option<f64>,
-    /// Settings that belong together; may be repeated. How to draw: quality, balanced, performance, plain; what
-    /// the simulated headset is like: valve-index, meta-quest-3, bigscreen-beyond-2
-    #[arg(long, value_name = "NAME")]
+    /// Settings that belong together.
+    #[arg(long, value_name = "NAME", help = parse::presets_help())]
     pub preset: Vec<String>,
     /// Replay a recorded path of the head
     #[arg(long, value_name = "FILE")]
     pub pose_path: Option<PathBuf>,
 }
+
+/// Names of `--headset`.
+const HEADSET: [(&str, &str); 3] = [
+    ("auto", "the headset if one answers, else the desktop"),
+    ("require", "the headset, or the walk fails"),
+    ("off", "the simulated headset, whatever answers"),
+];
+/// Names of `--window`.
+const WINDOW: [(&str, &str); 3] =
+    [("auto", "a window if there is a display"), ("on", "a window, or the walk fails"), ("off", "no window")];
 
 const EXAMPLES: &str = "Examples:
   scanwalk view castle.laz
@@ -48,27 +58,3 @@ const EXAMPLES: &str = "Examples:
 In the headset: the left stick walks inside and flies elsewhere, the right stick turns and aims a teleport, grips hold the scan, the menu
 button opens a menu; docs/CONTROLLERS.md has all.
 In the window: drag to look, click to go there, WASD to move, shift to go faster, F1 for all keys.";
-
-/// Whether to use a headset.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum HeadsetChoice {
-    /// The headset if an OpenXR runtime with one answers, else the simulated one.
-    #[default]
-    Auto,
-    /// The headset, or the walk fails.
-    Require,
-    /// The simulated headset, whatever answers.
-    Off,
-}
-
-/// Whether to open a window.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum WindowChoice {
-    /// A window if there is a display.
-    #[default]
-    Auto,
-    /// A window, or the walk fails.
-    On,
-    /// No window.
-    Off,
-}

@@ -15,8 +15,8 @@ pub enum ValueKind {
     Number,
     /// Any text.
     Text,
-    /// One of these names.
-    Choice(&'static [&'static str]),
+    /// One of these names; the words say what each means.
+    Choice(&'static [&'static str], String),
     /// This many values of one kind.
     List(Box<Self>, usize),
     /// What the type says of itself.
@@ -33,6 +33,26 @@ impl ValueKind {
             Ok(_) => Self::Other("anything".into()),
         }
     }
+
+    /// Names of values. What a type says of itself has them in backquotes, as serde's own types do.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        match self {
+            Self::Choice(names, _) => names.iter().map(ToString::to_string).collect(),
+            Self::Other(words) => words.split('`').skip(1).step_by(2).map(ToOwned::to_owned).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// The least and the greatest number that the type allows, if it is one of whole numbers.
+    #[must_use]
+    pub fn range(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Whole(most) => Some([0.0, f64::from(*most)]),
+            Self::List(kind, _) => kind.range(),
+            _ => None,
+        }
+    }
 }
 
 impl Display for ValueKind {
@@ -43,8 +63,8 @@ impl Display for ValueKind {
             Self::Whole(number) => write!(f, "a whole number {}", most(number)),
             Self::Number => f.write_str("a number"),
             Self::Text => f.write_str("a text in quotes"),
-            Self::Choice([one, other]) => write!(f, "\"{one}\" or \"{other}\""),
-            Self::Choice(names) => write!(f, "one of \"{}\"", names.join("\", \"")),
+            Self::Choice([one, other], _) => write!(f, "\"{one}\" or \"{other}\""),
+            Self::Choice(names, _) => write!(f, "one of \"{}\"", names.join("\", \"")),
             Self::List(kind, len) => match &**kind {
                 Self::Whole(number) => write!(f, "a list of {len} whole numbers {}", most(number)),
                 _ => write!(f, "a list of {len} numbers"),
@@ -56,6 +76,15 @@ impl Display for ValueKind {
 
 /// Stands in for a value: a type that reads it gets nothing, but tells what it wants.
 struct Asked;
+
+/// What a type says that it wants.
+struct Expected<V>(V);
+
+impl<'de, V: Visitor<'de>> Display for Expected<V> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.expecting(f)
+    }
+}
 
 /// The kind that was asked for. It travels as an error, which ends the reading.
 #[derive(Debug)]
@@ -79,12 +108,6 @@ impl<'de> Deserializer<'de> for Asked {
     type Error = Answer;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Answer> {
-        struct Expected<V>(V);
-        impl<'de, V: Visitor<'de>> Display for Expected<V> {
-            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                self.0.expecting(f)
-            }
-        }
         Err(Answer::custom(Expected(visitor)))
     }
 
@@ -112,9 +135,9 @@ impl<'de> Deserializer<'de> for Asked {
         self,
         _: &'static str,
         names: &'static [&'static str],
-        _: V,
+        visitor: V,
     ) -> Result<V::Value, Answer> {
-        Err(Answer(ValueKind::Choice(names)))
+        Err(Answer(ValueKind::Choice(names, Expected(visitor).to_string())))
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value, Answer> {
@@ -139,7 +162,9 @@ impl<'de> SeqAccess<'de> for Asked {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base::choice::Auto;
     use points::{Unit, Up};
+    use render::gpu::Atomics;
     use render::options::Quality;
 
     #[test]
@@ -152,7 +177,18 @@ mod tests {
         ];
         assert_eq!(kinds, [ValueKind::Flag, ValueKind::Whole(u32::MAX), ValueKind::Number, ValueKind::Text]);
         assert_eq!(ValueKind::of::<[u8; 3]>(), ValueKind::List(Box::new(ValueKind::Whole(255)), 3));
-        assert_eq!(ValueKind::of::<Up>(), ValueKind::Choice(&["auto", "z", "y", "-y"]));
+        let ValueKind::Choice(names, words) = ValueKind::of::<Quality>() else { panic!("no choice") };
+        assert_eq!(names, ["closest", "hqs"]);
+        assert!(words.starts_with("\"closest\": the nearest point's color; \"hqs\": the blend"), "{words}");
+        assert!(matches!(ValueKind::of::<Auto<Atomics>>(), ValueKind::Choice(&["auto", "int32", ..], _)));
+    }
+
+    #[test]
+    fn kinds_have_names_or_ranges() {
+        assert_eq!(ValueKind::of::<Unit>().names(), ["auto", "m", "mm", "cm", "ft", "us-ft"]);
+        assert_eq!(ValueKind::of::<Quality>().names(), Quality::ALL.map(Quality::name));
+        assert_eq!(ValueKind::of::<[u8; 3]>().range(), Some([0.0, 255.0]));
+        assert_eq!((ValueKind::of::<f64>().range(), ValueKind::of::<f64>().names().len()), (None, 0));
     }
 
     #[test]

@@ -110,6 +110,19 @@ pub fn load(presets: &[String], file: Option<&Path>, sets: &[String]) -> Result<
     resolving.finish()
 }
 
+/// The same configuration with the settings of a preset.
+///
+/// # Errors
+/// An unknown preset.
+pub fn with_preset(config: &Config, name: &str) -> Result<Config, ConfigError> {
+    let mut resolving =
+        Resolving { table: config.to_table(), config: config.clone(), places: HashMap::new() };
+    for assignment in in_preset(name)? {
+        resolving.apply(assignment)?;
+    }
+    resolving.finish()
+}
+
 /// Reads the file's text.
 fn read(path: &Path) -> Result<String, ConfigError> {
     let fail = |source| ConfigError::Read { path: path.to_owned(), source };

@@ -16,14 +16,14 @@ mod table;
 
 pub use assign::Location;
 pub use kind::ValueKind;
-pub use load::{ConfigError, load};
+pub use load::{ConfigError, load, with_preset};
 pub use near::NearClip;
 pub use page::{FILES, file, page};
 pub use presets::{PRESETS, Preset};
 pub use setting::{Audience, Section, Setting};
 pub use table::{
     CloudConfig, Config, FoveaConfig, FrameConfig, GovernorConfig, GpuConfig, HeadsetConfig,
-    LocomotionConfig, LodConfig, SECTIONS, SimulatedConfig, WindowConfig,
+    LocomotionConfig, LodConfig, SECTIONS, SimulatedConfig, SurroundConfig, WindowConfig,
 };
 
 impl Config {

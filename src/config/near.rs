@@ -1,5 +1,6 @@
 //! The value of `frame.near_m`: a length that the user chose, or none.
 
+use crate::draw::NEAR;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
@@ -22,7 +23,7 @@ impl NearClip {
     #[must_use]
     pub fn meters(self) -> f64 {
         match self {
-            Self::Auto => 0.05,
+            Self::Auto => NEAR,
             Self::Meters(meters) => meters,
         }
     }

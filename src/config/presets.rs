@@ -14,6 +14,18 @@ pub struct Preset {
     pub text: &'static str,
 }
 
+impl Preset {
+    /// What it is for: the first sentence of its file, behind the name.
+    #[must_use]
+    pub fn meaning(&self) -> String {
+        let comment = self.text.lines().map_while(|line| line.strip_prefix('#'));
+        let words: Vec<_> = comment.flat_map(str::split_whitespace).collect();
+        let about = words.join(" ");
+        let meaning = about.split_once(": ").map_or(about.as_str(), |(_, meaning)| meaning);
+        meaning.split(". ").next().unwrap_or_default().trim_end_matches('.').to_owned()
+    }
+}
+
 /// All presets: how to draw, then which headset to simulate.
 pub const PRESETS: [Preset; 7] = [
     Preset { name: "plain", text: include_str!("../../config/plain.toml") },

@@ -99,9 +99,18 @@ impl Setting {
         (self.kind)()
     }
 
-    /// What it means and which numbers make sense: sentences.
+    /// What it means, which numbers make sense, and what each name stands for: sentences.
     #[must_use]
     pub fn help(&self) -> String {
+        match self.kind() {
+            ValueKind::Choice(_, words) => format!("{} {words}.", self.meaning()),
+            _ => self.meaning(),
+        }
+    }
+
+    /// What it means and which numbers make sense: sentences.
+    #[must_use]
+    pub fn meaning(&self) -> String {
         let each = if matches!(self.kind(), ValueKind::List(..)) { "Each from" } else { "From" };
         let limits = match (self.range, self.unit) {
             (None, "") => String::new(),

@@ -4,13 +4,16 @@ use super::kind::ValueKind;
 use super::near::NearClip;
 use super::setting::{Audience, Section, Setting, settings};
 use crate::desktop::MirroredEyes;
-use crate::nodes::LodMethod;
-use crate::walk::kind::SeenAs;
+use crate::walk::kind::ScanKind;
 use crate::walk::moving::{Hand, Stride, Turn};
-use cloud::Order;
+use crate::walk::start::EYE_HEIGHT_M;
+use base::choice::Auto;
+use lab::LodMethod;
+use lab::order::Order;
 use lab::technique::{EarlyZLoad, Method};
-use points::{Project, Unit, Up};
-use render::options::{Dilate, Overlay, Precision, Quality, Tier};
+use points::{Project, ReadOptions, Unit, Up};
+use render::gpu::Atomics;
+use render::options::{Dilate, Overlay, Precision, Quality};
 use serde::{Deserialize, Serialize};
 
 settings! {
@@ -20,11 +23,9 @@ settings! {
         adapter: String = String::new();
         /// Largest part of the point pool that one binding holds; 0: as much as the GPU allows.
         chunk_mib: u32 = 0, in "MiB", for Laboratory;
-        /// Which atomic operations the stages use: "auto" (the best that the GPU has), "int64", "int64-minmax" or "int32".
-        /// All draw the same picture.
-        tier: Tier = Tier::Auto, for Laboratory;
-        /// How early-z loads the pixel that it looks at: "atomic", or "plain", which a GPU may answer from its first cache.
-        /// Both draw the same picture.
+        /// Which atomic operations the stages use; "auto": the best that the GPU has. All draw the same picture.
+        tier: Auto<Atomics> = Auto(None), for Laboratory;
+        /// How early-z loads the pixel that it looks at. Both draw the same picture.
         early_z_load: EarlyZLoad = EarlyZLoad::Atomic, for Laboratory;
         /// true: shaders check every index, as those of debug builds always do, to find faults. It is slower, and the
         /// picture is the same.
@@ -33,28 +34,23 @@ settings! {
 
     /// How files are read.
     cloud: CloudConfig {
-        /// Order of the points in memory: "morton" (neighbors in space lie together, which is fast), "original" (as in the
-        /// file), "shuffled" (at random) or "shuffled-morton" (groups of 128 neighbors at random). An octree has its own.
+        /// Order of the points in memory. An octree has its own.
         order: Order = Order::Morton, for Laboratory;
-        /// The axis of the files' coordinates that points up: "z" (surveys), "y" (models, much photogrammetry; (x, y, z)
-        /// becomes (x, -z, y)), "-y" (cameras, many splats), or "auto" (where a file's header or its surfaces leave no
-        /// doubt, else z).
-        up: Up = Up::Auto;
+        /// The axis of the files' coordinates that points up.
+        up: Up = ReadOptions::AS_FILES_SAY.up;
         /// true: a file that cannot be read to its end is an error; false: a warning names it, and what can be read is
         /// shown.
-        strict: bool = false;
+        strict: bool = ReadOptions::AS_FILES_SAY.strict;
         /// The unit of the files' lengths: "auto" (as the files state it), "m", "mm", "cm", "ft", "us-ft" or a number of
         /// meters.
-        unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "meters";
+        unit: Unit = ReadOptions::AS_FILES_SAY.unit, from 1e-9 to 1e9, in "meters";
         /// The unit of the files' heights where it is not that of cloud.unit, written in the same way; heights are then
         /// scaled to the unit across.
-        vertical_unit: Unit = Unit::Auto, from 1e-9 to 1e9, in "meters";
-        /// Coordinates on the earth, drawn upright and in meters about the scan's middle: "auto" (those that the files
-        /// state, and those that leave no doubt), "degrees" or "geocentric" (whatever the files state), or "off" (drawn as
-        /// they are).
-        project: Project = Project::Auto;
-        /// true: points that LAS files flag as withheld, which means deleted, are drawn too.
-        show_withheld: bool = false;
+        vertical_unit: Unit = ReadOptions::AS_FILES_SAY.vertical_unit, from 1e-9 to 1e9, in "meters";
+        /// Which files have coordinates on the earth, and are drawn upright and in meters about the scan's middle.
+        project: Project = ReadOptions::AS_FILES_SAY.project;
+        /// true: points that their files flag as withheld, which means deleted, are drawn too.
+        show_withheld: bool = ReadOptions::AS_FILES_SAY.show_withheld;
     }
 
     /// How the frame is drawn.
@@ -64,21 +60,19 @@ settings! {
         near_m: NearClip = NearClip::Auto, from 1e-6 to 1e6, in "meters";
         /// Color where no point is: red, green, blue, 0 to 255.
         background: [u8; 3] = [0, 0, 0];
-        /// Coordinate bits that are read: "auto" (10, 20 or 30 by the projected size) or "full" (always 30).
+        /// Coordinate bits that are read.
         precision: Precision = Precision::Auto;
-        /// How points get into pixels, by the papers' names: "prefetch" (the fastest), "basic", "just-set", "busy-loop",
-        /// "exchange-loop", "atomic-min", "early-z", "reduce", "reduce-early-z", "dedup", "fixed40", "point-list" (the
-        /// hardware's own points), "hqs", "hqs1" or "hqs1r". All draw the same picture, except for just-set, for hqs1 in
-        /// pixels of too many points, and for point-list and fixed40 where points are equally far. The first two are of
-        /// either quality, those that begin with hqs of that one, the others of the quality closest, whatever
+        /// How points get into pixels, by the papers' names. All draw the same picture, except for those that are wrong, for
+        /// hqs1 in pixels of too many points, and for point-list and fixed40 where points are equally far. prefetch and
+        /// basic are of either quality, those that begin with hqs of that one, the others of the quality closest, whatever
         /// frame.quality says. point-list, reduce, reduce-early-z and dedup draw points of one pixel, whatever frame.fill
         /// says.
         method: Method = Method::Prefetch, for Laboratory;
         /// false: what neither eye sees is read too, to measure what that costs.
         cull: bool = true, for Laboratory;
-        /// What a pixel shows of the points in it: "closest" (the nearest one's color) or "hqs" (the blend of the nearest).
+        /// What a pixel shows of the points in it.
         quality: Quality = Quality::Hqs;
-        /// How gaps between points are filled: "off", or "rings" (3 × 3, 5 × 5, 7 × 7 pixels from the gaze outwards).
+        /// How gaps between points are filled.
         dilate: Dilate = Dilate::Rings;
         /// true: where points lie further apart than the kernels of frame.dilate reach, the finest or what level of detail
         /// leaves, wider kernels close the gaps, and then points are drawn larger.
@@ -97,8 +91,7 @@ settings! {
     lod: LodConfig {
         /// true: what matters is drawn; false: every point, always.
         enabled: bool = true;
-        /// What is built to tell what matters: "octree" (nodes of points, drawn by their projected size) or "spt" (a
-        /// sequential point tree: discs that stand for points, drawn by their projected error, and a mesh's triangles).
+        /// What is built to tell what matters.
         method: LodMethod = LodMethod::Octree, for Laboratory;
         /// A node of the octree is drawn if its projected edge has this many pixels: in the inner, middle and outer ring.
         // Below 50, a pixel could get more points than the stage `color` can add up: see `render::layout::Sums`.
@@ -166,7 +159,7 @@ settings! {
         /// Displays a second; the frame's budget is one period.
         refresh_hz: f64 = 90.0, from 1 to 1000, in "hertz";
         /// Height of the eyes above the floor.
-        eye_height_m: f64 = 1.7, from -1000 to 1000, in "meters";
+        eye_height_m: f64 = EYE_HEIGHT_M, from -1000 to 1000, in "meters";
     }
 
     /// Getting about.
@@ -175,18 +168,16 @@ settings! {
         speed: f64 = 0.0, from 0 to 1e6, in "meters a second";
         /// How many times as fast as that the user moves at first; wheel, keys and panel change it within its limits.
         speed_factor: f64 = 1.0, from 0.015625 to 64, in "times";
-        /// What the scan is of, which decides where and how large one begins to see it: "interior" (standing inside), "outdoors"
-        /// (standing on the ground), "landscape" (as a model before oneself), "object" (from outside), or "auto" (its size,
-        /// its floor and its walls tell).
-        seen_as: SeenAs = SeenAs::Auto;
+        /// What the scan is of, which decides where and how large one begins to see it; "auto": its size, its floor and its
+        /// walls tell.
+        seen_as: Auto<ScanKind> = Auto(None);
         /// Factor while the fast key is held.
         fast: f64 = 4.0, from 1 to 1000;
-        /// How sticks and keys move at first: "walk" (on the floor, wherever the head looks), "fly" (where the head looks),
-        /// or "auto" (walking where a walk begins inside, flying elsewhere).
+        /// How sticks and keys move at first.
         stride: Stride = Stride::Auto;
-        /// The hand whose stick moves, "left" or "right"; the other hand's stick turns and teleports.
+        /// The hand whose stick moves; the other hand's stick turns and teleports.
         moving_hand: Hand = Hand::Left;
-        /// How the stick turns: "snap" (by locomotion.snap_deg at once) or "smooth" (while it is held).
+        /// How the stick turns.
         turn: Turn = Turn::Snap;
         /// Angle of a snap turn.
         snap_deg: f64 = 30.0, from 1 to 180, in "degrees";
@@ -196,6 +187,8 @@ settings! {
         reach_m: f64 = 8.0, from 0.5 to 100, in "meters";
         /// How far the edge of sight is darkened while a stick moves the user; 0: not at all.
         vignette: f64 = 0.5, from 0 to 1;
+        /// true: the controllers' buttons are labeled for the first half minute; the menu shows the labels again.
+        labels: bool = true;
         /// Angle that the view turns for each pixel that the mouse moves.
         look_deg_per_px: f64 = 0.15, from -10 to 10, in "degrees";
     }
@@ -204,13 +197,13 @@ settings! {
     window: WindowConfig {
         /// Size at start: width, height.
         size: [u32; 2] = [1280, 720], from 1 to 16_384, in "points";
-        /// Which eye the window mirrors: "left", "right" or "both".
+        /// What the window mirrors.
         mirror: MirroredEyes = MirroredEyes::Left;
         /// true: the panel is shown at start.
         panel: bool = true;
-        /// Drawn over the mirror, never in the headset, to see how a frame comes about: "none", "rings" (round the gaze),
-        /// "nodes" (cubes of the octree, by level), "overdraw" (points that a pixel blends), "depth", or "precision" (boxes
-        /// of batches, by the bits that are read of their points).
+        /// true: the panel lists the scans that were opened last, which are kept in a file of the user's; false: none is kept.
+        recent: bool = true;
+        /// Drawn over the mirror, never in the headset, to see how a frame comes about.
         overlay: Overlay = Overlay::None;
     }
 }

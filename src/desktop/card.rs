@@ -5,6 +5,7 @@ use super::easel::Easel;
 use super::notice;
 use super::style;
 use crate::walk::link::{LoadState, PaintEnd};
+use crate::walk::simulated::SIMULATED;
 use base::task::CancelToken;
 use egui::{CentralPanel, Frame, Margin, RichText, Ui};
 use std::sync::Arc;
@@ -18,19 +19,20 @@ const LOOK_EVERY: Duration = Duration::from_millis(100);
 /// Paints the card of a walk until `stop` is requested.
 pub fn paint(walk: &PaintEnd, stop: &CancelToken) {
     let mut easel: Option<Easel> = None;
-    let mut said: Option<LoadState> = None;
+    let mut said: Option<(LoadState, bool)> = None;
     while !stop.is_cancelled() {
         if let Some(gpu) = walk.gpu().filter(|gpu| gpu.lost().is_none()) {
             if easel.as_ref().is_none_or(|easel| !Arc::ptr_eq(easel.gpu(), &gpu)) {
                 // The card of another GPU cannot be shown on this one.
-                (easel, said) = (Some(Easel::new(&gpu, SIZE_PX)), None);
+                (easel, said) = (Easel::new(&gpu, SIZE_PX), None);
             }
-            let load = walk.load();
-            if let Some(easel) = easel.as_mut().filter(|_| said.as_ref() != Some(&load))
-                && let Some(card) = card(easel, &load)
+            // Who looks at the window is told there, and nobody wears the simulated headset.
+            let news = (walk.load(), walk.runtime() != SIMULATED);
+            if let Some(easel) = easel.as_mut().filter(|_| said.as_ref() != Some(&news))
+                && let Some(card) = card(easel, &news.0, news.1)
             {
                 walk.set_card(&gpu, card);
-                said = Some(load);
+                said = Some(news);
             }
         }
         std::thread::sleep(LOOK_EVERY);
@@ -38,11 +40,16 @@ pub fn paint(walk: &PaintEnd, stop: &CancelToken) {
 }
 
 /// A card that says how loading stands. `Some(None)` if there is nothing to say, `None` if the GPU's queue cannot be had.
-fn card(easel: &mut Easel, load: &LoadState) -> Option<Option<wgpu::Texture>> {
-    if load.doing.is_none() && load.error.is_none() {
+fn card(easel: &mut Easel, load: &LoadState, is_worn: bool) -> Option<Option<wgpu::Texture>> {
+    if load.doing.is_none() && load.error.is_none() && !(is_worn && is_empty(load)) {
         return Some(None);
     }
     easel.paint(Vec::new(), |ui| contents(ui, &load.names(), load)).map(Some)
+}
+
+/// True while the user has named no scan.
+fn is_empty(load: &LoadState) -> bool {
+    load.scan.as_ref().is_some_and(|scan| scan.files.is_empty())
 }
 
 pub(super) fn contents(ui: &mut Ui, scan: &str, load: &LoadState) {
@@ -54,6 +61,9 @@ pub(super) fn contents(ui: &mut Ui, scan: &str, load: &LoadState) {
             ui.label(RichText::new(scan).heading());
             ui.add_space(12.0);
             notice::progress(ui, doing);
+        } else if is_empty(load) {
+            ui.label(RichText::new("No scan is open").heading());
+            ui.label("Choose one in scanwalk's window on the desktop.");
         }
     });
 }

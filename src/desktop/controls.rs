@@ -31,6 +31,10 @@ pub(super) struct WindowState {
     pub tab: PanelTab,
     /// True if the help is shown.
     pub help: bool,
+    /// True if the panel is a button, false if it is not; `None`: the window's width decides.
+    pub folded: Option<bool>,
+    /// True while another scan is chosen.
+    pub opening: bool,
     /// True if the user wants full screen.
     pub full_screen: bool,
     /// True if the user wants to leave.
@@ -42,8 +46,17 @@ impl WindowState {
     /// What the window shows at start.
     pub(super) fn new(options: &WindowOptions) -> Self {
         let WindowOptions { mirror, panel, .. } = *options;
-        let (help, full_screen, leave) = (false, false, false);
-        Self { mirror, panel, tab: PanelTab::default(), help, full_screen, leave, leave_asked: None }
+        Self {
+            mirror,
+            panel,
+            tab: PanelTab::default(),
+            help: false,
+            folded: None,
+            opening: false,
+            full_screen: false,
+            leave: false,
+            leave_asked: None,
+        }
     }
 
     /// True while a second Esc would quit.
@@ -100,7 +113,9 @@ impl Controls {
 
     /// Takes in that a key went down (once, not its repeats) or up.
     pub(super) fn key(&mut self, key: KeyCode, pressed: bool, now: Instant) -> Option<Action> {
-        let action = keys::action(WindowInput::Key(key))?;
+        let has_control = |held: &KeyCode| matches!(held, KeyCode::ControlLeft | KeyCode::ControlRight);
+        let with_control = self.held.iter().any(has_control).then_some(WindowInput::WithControl(key));
+        let action = with_control.and_then(keys::action).or_else(|| keys::action(WindowInput::Key(key)))?;
         if let KeyAction::Move(..) | KeyAction::Fast = action {
             self.held.retain(|held| *held != key);
             if pressed {
@@ -115,6 +130,10 @@ impl Controls {
         match action {
             KeyAction::Send(action) => return Some(action),
             KeyAction::Speed(steps) => return Some(Action::Faster(steps)),
+            KeyAction::Open => {
+                view.opening = true;
+                return self.release_all();
+            }
             KeyAction::Panel => view.panel = !view.panel,
             KeyAction::NextMirror => view.mirror = next(view.mirror),
             KeyAction::FullScreen => view.full_screen = !view.full_screen,
@@ -292,6 +311,21 @@ mod tests {
         assert!(!c.view.leave, "the first one is forgotten");
         c.key(KeyCode::Escape, true, late + Duration::from_millis(300));
         assert!(c.view.leave);
+    }
+
+    #[test]
+    fn control_makes_another_key_of_a_key() {
+        let (mut c, now) = (controls(), Instant::now());
+        assert_eq!(c.key(KeyCode::ControlLeft, true, now), moving([0.0, -1.0, 0.0], false));
+        assert_eq!(c.key(KeyCode::KeyO, true, now), Some(AT_REST), "nobody sinks while they choose");
+        assert!(c.view.opening);
+        assert_eq!(c.key(KeyCode::ControlLeft, false, now), None);
+        c.key(KeyCode::ControlRight, true, now);
+        assert_eq!(
+            c.key(KeyCode::KeyD, true, now),
+            moving([1.0, -1.0, 0.0], false),
+            "Ctrl and D are two keys"
+        );
     }
 
     #[test]

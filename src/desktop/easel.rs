@@ -20,11 +20,12 @@ pub(super) struct Easel {
 }
 
 impl Easel {
-    /// An easel for textures of `size_px`.
-    pub(super) fn new(gpu: &Arc<Gpu>, size_px: [u32; 2]) -> Self {
+    /// An easel for textures of `size_px`; `None` if the GPU is lost.
+    pub(super) fn new(gpu: &Arc<Gpu>, size_px: [u32; 2]) -> Option<Self> {
         let context = egui::Context::default();
         style::apply(&context);
-        Self { gpu: Arc::clone(gpu), size_px, context, painter: Painter::new(&gpu.device, FORMAT) }
+        let painter = gpu.unless_lost(|| Painter::new(&gpu.device, FORMAT)).ok()?;
+        Some(Self { gpu: Arc::clone(gpu), size_px, context, painter })
     }
 
     /// The GPU that textures are painted on.
@@ -37,7 +38,8 @@ impl Easel {
         self.size_px
     }
 
-    /// Paints a texture of its own: the one before may be on its way to the eyes. `None` if the GPU's queue cannot be had.
+    /// Paints a texture of its own: the one before may be on its way to the eyes. `None` if the GPU's queue cannot be had, or
+    /// the GPU is lost.
     pub(super) fn paint(
         &mut self,
         events: Vec<Event>,
@@ -54,10 +56,14 @@ impl Easel {
         let usage = wgpu::TextureUsages::RENDER_ATTACHMENT
             | wgpu::TextureUsages::TEXTURE_BINDING
             | wgpu::TextureUsages::COPY_SRC;
-        let texture = self.gpu.texture("card", self.size_px, FORMAT, usage);
-        let target = texture.create_view(&Default::default());
-        let commands = self.painter.record(&self.gpu, &target, self.size_px, None, picture)?;
-        self.gpu.queue.lock_within(QUEUE_PATIENCE)?.submit(commands);
-        Some(texture)
+        let painter = &mut self.painter;
+        let painted = self.gpu.unless_lost(|| {
+            let texture = self.gpu.texture("card", self.size_px, FORMAT, usage);
+            let target = texture.create_view(&Default::default());
+            let commands = painter.record(&self.gpu, &target, self.size_px, None, picture)?;
+            self.gpu.queue.lock_within(QUEUE_PATIENCE)?.submit(commands);
+            Some(texture)
+        });
+        painted.ok().flatten()
     }
 }

@@ -130,35 +130,11 @@ impl History {
 pub(super) mod tests {
     use super::*;
     use std::time::Duration;
-    use timing::CallTimes;
 
     /// A frame at `time_s` that took the GPU `gpu_ms`.
     pub(in crate::desktop) fn row(frame: u64, time_s: f64, gpu_ms: f32) -> FrameRow {
-        FrameRow {
-            frame,
-            time_s,
-            predicted_display_ns: 0,
-            wait_ms: 2.0,
-            record_ms: 0.3,
-            submit_ms: 0.2,
-            stage_ms: [0.05, 0.05, 0.05, 0.6, 0.1, 0.1, 0.05].map(|share| share * gpu_ms),
-            gpu_ms,
-            budget_ms: 11.1,
-            missed_periods: 0,
-            visible_nodes: 800,
-            points_read: 8_000_000,
-            points_resident: 52_400_000,
-            lod_scale: 1.0,
-            resolution_scale: 1.0,
-            quality: "closest",
-            upload_bytes: 0,
-            world_from_head: None,
-            phase: Phase::Walking,
-            visible_batches: 900,
-            calls: CallTimes::default(),
-            session: "simulated",
-            place: None,
-        }
+        let stage_ms = [0.05, 0.05, 0.05, 0.6, 0.1, 0.1, 0.05].map(|share| share * gpu_ms);
+        FrameRow { frame, time_s, stage_ms, gpu_ms, budget_ms: 11.1, ..FrameRow::sample() }
     }
 
     fn filled(times_s: impl IntoIterator<Item = f64>) -> History {

@@ -10,6 +10,8 @@ use winit::keyboard::KeyCode;
 pub(super) enum WindowInput {
     /// A key by its position.
     Key(KeyCode),
+    /// A key while Ctrl is held.
+    WithControl(KeyCode),
     /// Moving the mouse with the left button held.
     Drag,
     /// Moving the mouse with the right button held.
@@ -37,6 +39,8 @@ pub(super) enum KeyAction {
     GoToSeen,
     /// Changes the speed by this many steps, faster (> 0) or slower (< 0); the wheel does so for each line.
     Speed(f32),
+    /// Opens another scan.
+    Open,
     /// Shows or hides the panel.
     Panel,
     /// Mirrors the next of left, right, both.
@@ -63,10 +67,10 @@ pub(super) struct KeyBinding {
 /// Every binding there is, in the order of the help.
 pub(super) const BINDINGS: &[KeyBinding] = {
     use KeyAction::{
-        Back, Fast, FullScreen, GoToSeen, Help, Look, Move, NextMirror, Orbit, Panel, Send, Speed,
+        Back, Fast, FullScreen, GoToSeen, Help, Look, Move, NextMirror, Open, Orbit, Panel, Send, Speed,
     };
     use KeyCode as K;
-    use WindowInput::{Click, Drag, Key, RightDrag, Wheel};
+    use WindowInput::{Click, Drag, Key, RightDrag, Wheel, WithControl};
     const fn bind(inputs: &'static [WindowInput], action: KeyAction, does: &'static str) -> KeyBinding {
         KeyBinding { inputs, action, does }
     }
@@ -100,6 +104,7 @@ pub(super) const BINDINGS: &[KeyBinding] = {
         bind(&[Key(K::KeyM)], NextMirror, "Mirror left, right or both eyes"),
         bind(&[Key(K::KeyO)], Send(Action::NextOverlay), "Next overlay on the mirror: rings, nodes, …, none"),
         bind(&[Key(K::F12), Key(K::KeyP)], Send(Action::Screenshot), "Save both eyes' images"),
+        bind(&[WithControl(K::KeyO)], Open, "Open another scan"),
         bind(&[Key(K::Tab)], Panel, "Show or hide the panel"),
         bind(&[Key(K::F11)], FullScreen, "Full screen"),
         bind(&[Key(K::F1)], Help, "This help"),
@@ -129,6 +134,7 @@ impl KeyBinding {
 impl WindowInput {
     fn label(&self) -> String {
         let name = match self {
+            Self::WithControl(key) => return format!("Ctrl+{}", Self::Key(*key).label()),
             Self::Drag => "Mouse drag",
             Self::RightDrag => "Right drag",
             Self::Click => "Mouse click",
@@ -184,6 +190,7 @@ mod tests {
         assert_eq!(labels(KeyAction::Fast), "Shift");
         assert_eq!(labels(KeyAction::Send(Action::Snap(-1))), "Left ,");
         assert_eq!(labels(KeyAction::Help), "F1");
+        assert_eq!(labels(KeyAction::Open), "Ctrl+O");
         for binding in BINDINGS {
             assert!(binding.labels().iter().all(|l| !l.is_empty() && l.len() <= 12), "{binding:?}");
         }

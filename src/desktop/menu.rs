@@ -2,11 +2,12 @@
 //! make the scan. egui paints them into a texture, on a thread of its own, whenever hands or what is shown have changed.
 
 use super::easel::{Easel, PIXELS_PER_POINT};
-use super::{numbers, style};
+use super::{Widget, buttons, numbers, style};
 use crate::walk::action::{Action, Stance};
+use crate::walk::appearance::QualityPreset;
 use crate::walk::link::PaintEnd;
-use crate::walk::menu::MenuInput;
-use crate::walk::moving::Turn;
+use crate::walk::menu::{MenuInput, PaintedPanel};
+use crate::walk::moving::{Turn, VignetteOptions};
 use crate::walk::state::Snapshot;
 use base::task::CancelToken;
 use egui::{Button, CentralPanel, Event, Frame, Margin, Modifiers, PointerButton, Pos2, RichText, Ui, vec2};
@@ -15,7 +16,7 @@ use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 /// Size of the menu's texture, pixels.
-pub(super) const SIZE_PX: [u32; 2] = [720, 1200];
+pub(super) const SIZE_PX: [u32; 2] = [720, 1440];
 /// Size of the label's texture, pixels.
 const LABEL_PX: [u32; 2] = [432, 144];
 /// Pause between two looks at what hands do, while it is open.
@@ -24,8 +25,6 @@ const LOOK_EVERY: Duration = Duration::from_millis(12);
 const LOOK_CLOSED_EVERY: Duration = Duration::from_millis(60);
 /// Height of a button, points.
 const BUTTON: f32 = 29.0;
-/// Strengths of the vignette that one can choose.
-const VIGNETTES: [(&str, f32); 3] = [("None", 0.0), ("Some", 0.5), ("Strong", 1.0)];
 
 /// Paints the menu of a walk until `stop` is requested, and sends what is chosen in it.
 pub fn paint(walk: &PaintEnd, actions: &Sender<Action>, stop: &CancelToken) {
@@ -34,32 +33,40 @@ pub fn paint(walk: &PaintEnd, actions: &Sender<Action>, stop: &CancelToken) {
     while !stop.is_cancelled() {
         let snapshot = walk.snapshot();
         let gpu = walk.gpu().filter(|gpu| gpu.lost().is_none());
-        let is_wanted = |stance: &Stance| snapshot.menu.is_some() || stance.is_scaling;
-        let Some((gpu, stance)) = gpu.zip(snapshot.stance.filter(is_wanted)) else {
+        let wanted = snapshot.stance.and_then(|stance| Some((wanted(&snapshot, &stance)?, stance)));
+        let Some((gpu, (panel, stance))) = gpu.zip(wanted) else {
             if let Some(easel) = easel.take() {
-                walk.set_menu(easel.gpu(), None);
+                walk.set_panel(easel.gpu(), None);
             }
             painted = None;
             std::thread::sleep(LOOK_CLOSED_EVERY);
             continue;
         };
-        let size_px = if snapshot.menu.is_some() { SIZE_PX } else { LABEL_PX };
+        let size_px = match panel {
+            PaintedPanel::Menu => SIZE_PX,
+            PaintedPanel::Scale => LABEL_PX,
+            PaintedPanel::Buttons => buttons::SIZE_PX,
+        };
         let is_fit = |easel: &Easel| Arc::ptr_eq(easel.gpu(), &gpu) && easel.size_px() == size_px;
         if !easel.as_ref().is_some_and(is_fit) {
             // The menu of another GPU cannot be shown on this one.
-            (easel, painted) = (Some(Easel::new(&gpu, size_px)), None);
+            (easel, painted) = (Easel::new(&gpu, size_px), None);
         }
         let input = walk.menu_input();
         if let Some(easel) = easel.as_mut().filter(|_| painted != Some((snapshot, input))) {
-            let events = events(painted.map(|(_, before)| before).unwrap_or_default(), input);
-            let mut chosen = Vec::new();
-            let picture = if snapshot.menu.is_some() {
-                easel.paint(events, |ui| chosen.extend(contents(ui, &snapshot, &stance)))
-            } else {
-                easel.paint(Vec::new(), |ui| label(ui, stance.scale))
+            let events = match panel {
+                PaintedPanel::Menu => events(painted.map(|(_, before)| before).unwrap_or_default(), input),
+                PaintedPanel::Scale | PaintedPanel::Buttons => Vec::new(),
             };
+            let mut chosen = Vec::new();
+            let runtime = walk.runtime();
+            let picture = easel.paint(events, |ui| match (panel, &snapshot.buttons) {
+                (PaintedPanel::Menu, _) => chosen.extend(contents(ui, &snapshot, &stance, &runtime)),
+                (PaintedPanel::Buttons, Some(labels)) => buttons::contents(ui, labels),
+                (PaintedPanel::Scale | PaintedPanel::Buttons, _) => label(ui, stance.scale),
+            });
             if let Some(picture) = picture {
-                walk.set_menu(&gpu, Some(picture));
+                walk.set_panel(&gpu, Some((panel, picture)));
                 painted = Some((snapshot, input));
             }
             for action in chosen {
@@ -68,6 +75,17 @@ pub fn paint(walk: &PaintEnd, actions: &Sender<Action>, stop: &CancelToken) {
             }
         }
         std::thread::sleep(LOOK_EVERY);
+    }
+}
+
+/// What is to be painted for the headset.
+fn wanted(snapshot: &Snapshot, stance: &Stance) -> Option<PaintedPanel> {
+    if snapshot.menu.is_some() {
+        Some(PaintedPanel::Menu)
+    } else if stance.is_scaling {
+        Some(PaintedPanel::Scale)
+    } else {
+        snapshot.buttons.map(|_| PaintedPanel::Buttons)
     }
 }
 
@@ -106,20 +124,20 @@ fn events(before: MenuInput, now: MenuInput) -> Vec<Event> {
 }
 
 /// Draws the menu; returns the actions that were chosen.
-pub(super) fn contents(ui: &mut Ui, snapshot: &Snapshot, stance: &Stance) -> Vec<Action> {
+pub(super) fn contents(ui: &mut Ui, snapshot: &Snapshot, stance: &Stance, runtime: &str) -> Vec<Action> {
     let mut chosen = Vec::new();
     let frame = Frame::new().inner_margin(Margin::same(12)).fill(style::card().fill.to_opaque());
     CentralPanel::default().frame(frame).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(6.0, 5.0);
+        let hand = snapshot.menu.unwrap_or_default();
         row(ui, &mut chosen, &[("Back to the start", Action::Reset)]);
         let size = if stance.scale == 1.0 {
             ("As a model", Action::ShowModel)
         } else {
             ("As large as life", Action::LifeSize)
         };
-        row(ui, &mut chosen, &[size]);
         let way = if stance.is_walking { "Fly" } else { "Walk on floors" };
-        row(ui, &mut chosen, &[(way, Action::ToggleWalking)]);
+        row(ui, &mut chosen, &[size, (way, Action::ToggleWalking)]);
         title(ui, &format!("Places: {} kept", stance.num_places));
         row(
             ui,
@@ -143,15 +161,49 @@ pub(super) fn contents(ui: &mut Ui, snapshot: &Snapshot, stance: &Stance) -> Vec
             Turn::Snap => ("Turns by steps", Action::SetTurn(Turn::Smooth)),
             Turn::Smooth => ("Turns smoothly", Action::SetTurn(Turn::Snap)),
         };
-        let at = VIGNETTES.iter().position(|(_, part)| *part >= stance.vignette).unwrap_or(0);
-        let (_, next) = VIGNETTES[(at + 1) % VIGNETTES.len()];
-        let dark = format!("Dark edge: {}", VIGNETTES[at].0.to_lowercase());
-        row(ui, &mut chosen, &[turn, (&*dark, Action::SetVignette(next))]);
-        ui.label(RichText::new("The headset's own button for it recenters the scan, too.").small());
-        let hand = snapshot.menu.unwrap_or_default();
+        row(ui, &mut chosen, &[turn, vignette(stance)]);
+        title(
+            ui,
+            &match snapshot.preset {
+                Some(preset) => format!("Picture: {}", preset.name()),
+                None => "Picture: as set".into(),
+            },
+        );
+        let presets =
+            QualityPreset::ALL.map(|preset| (Widget::title_of(preset.name()), Action::SetPreset(preset)));
+        let presets = presets.each_ref().map(|(name, action)| (name.as_str(), action.clone()));
+        row(ui, &mut chosen, &presets);
+        row(ui, &mut chosen, &[("What the buttons do", Action::ToggleButtons)]);
+        ui.label(RichText::new(recenter_help(runtime)).small());
         row(ui, &mut chosen, &[("Close", Action::ToggleMenu(hand)), ("Leave scanwalk", Action::Quit)]);
     });
     chosen
+}
+
+/// Says how dark the edge of sight becomes, and changes it: to what it was at start, the most, and the least.
+fn vignette(stance: &Stance) -> (&'static str, Action) {
+    let VignetteOptions { at_start, range: [least, most] } = stance.vignette_options;
+    let words = match stance.vignette {
+        part if part <= least => "Dark edge: none",
+        part if part >= most => "Dark edge: strong",
+        _ => "Dark edge: some",
+    };
+    let next = [at_start, most].into_iter().find(|part| *part > stance.vignette).unwrap_or(least);
+    (words, Action::SetVignette(next))
+}
+
+/// How one turns and moves the stage to where one is, with this runtime.
+fn recenter_help(runtime: &str) -> &'static str {
+    let is = |names: &[&str]| names.iter().any(|name| runtime.to_lowercase().contains(name));
+    if is(&["steamvr"]) {
+        "To recenter: the system button, then “Reset seated position”, looking ahead."
+    } else if is(&["oculus", "meta", "quest"]) {
+        "To recenter: hold the Meta button of the right controller, looking ahead."
+    } else if is(&["pico", "vive", "windows mixed reality"]) {
+        "To recenter: hold the right controller's system button, looking ahead."
+    } else {
+        "To recenter: the headset's own button for it, held while you look ahead."
+    }
 }
 
 fn title(ui: &mut Ui, text: &str) {
@@ -188,6 +240,25 @@ mod tests {
         assert_eq!(presses(at(0.5, true), at(0.6, true)), 0, "it is held");
         assert!(events(at(0.5, true), away) == [Event::PointerGone]);
         let moved = events(away, at(0.5, false));
-        assert!(moved == [Event::PointerMoved(Pos2::new(120.0, 200.0))], "{moved:?}");
+        assert!(moved == [Event::PointerMoved(Pos2::new(120.0, 240.0))], "{moved:?}");
+    }
+
+    #[test]
+    fn the_dark_edge_goes_round_by_what_was_set() {
+        let round = |at_start: f32| {
+            let mut stance = Stance {
+                vignette: at_start,
+                vignette_options: VignetteOptions { at_start, ..VignetteOptions::sample() },
+                ..Stance::sample()
+            };
+            [(); 3].map(|()| {
+                let (words, Action::SetVignette(next)) = vignette(&stance) else { panic!("it darkens") };
+                stance.vignette = next;
+                (words.trim_start_matches("Dark edge: "), next)
+            })
+        };
+        assert_eq!(round(0.3), [("some", 1.0), ("strong", 0.0), ("none", 0.3)]);
+        assert_eq!(round(0.0), [("none", 1.0), ("strong", 0.0), ("none", 1.0)]);
+        assert_eq!(round(1.0), [("strong", 0.0), ("none", 1.0), ("strong", 0.0)]);
     }
 }

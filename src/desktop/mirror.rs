@@ -4,9 +4,9 @@ use super::MirroredEyes;
 use super::placement::{PixelRect, panes};
 use crate::walk::link::MirrorImages;
 use bytemuck::{Pod, Zeroable};
-use render::gpu::stage::{Bindings, shader_module};
+use render::gpu::stage::{Bindings, ShaderError, shader_module};
 use render::layout::Variant;
-use render::shaders::ShaderOfSet;
+use render::shaders::{SRGB, ShaderOfSet};
 use wgpu::util::DeviceExt;
 
 render::sets! {
@@ -23,7 +23,7 @@ render::sets! {
 
 /// The mirror's shader.
 pub const MIRROR: ShaderOfSet<Mirrored> =
-    ShaderOfSet::new("mirror", &[], |_| &[include_str!("../../shaders/mirror.wgsl")]);
+    ShaderOfSet::new("mirror", &[&[SRGB]], |_| &[include_str!("../../shaders/mirror.wgsl")]);
 
 /// The part of an image that is drawn, from its top left corner, in shares of its size.
 #[repr(C)]
@@ -54,8 +54,12 @@ struct BoundImages {
 
 impl MirrorPipeline {
     /// A pipeline for pictures of `format`. An sRGB format encodes by itself; the shader encodes for any other.
-    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    ///
+    /// # Errors
+    /// If the shader cannot be used.
+    pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<Self, ShaderError> {
         let wgsl = MIRROR.source(Variant::eyes(1));
+        let bindings = Bindings::of("mirror", &wgsl, "pixel", &[])?;
         let module = shader_module(device, "mirror", &wgsl);
         let constants = [("ENCODE_SRGB", f64::from(u8::from(!format.is_srgb())))];
         let options = wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
@@ -87,8 +91,7 @@ impl MirrorPipeline {
             ..Default::default()
         });
         let longest_px = device.limits().max_texture_dimension_2d;
-        let bindings = Bindings::of("mirror", &wgsl, "pixel");
-        Self { pipeline, bindings, sampler, longest_px, bound: None }
+        Ok(Self { pipeline, bindings, sampler, longest_px, bound: None })
     }
 
     /// Draws the mirrored eyes into a pass over a picture of `size_px`.

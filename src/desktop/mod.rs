@@ -21,12 +21,12 @@
 //! use base::task::CancelToken;
 //! use render::gpu::Gpu;
 //! use scanwalk::{desktop, resolve::Plan, walk::link};
-//! let (stop, options) = (CancelToken::default(), Plan::default().window);
-//! let (walk_end, actions, viewer) = link::link();
+//! let (stop, plan) = (CancelToken::default(), Plan::default());
+//! let (walk_end, actions, viewer) = link::link(plan.state_at_start().snapshot());
 //! walk_end.set_gpu(&std::sync::Arc::new(Gpu::open(None)?));
 //! let frames = std::thread::spawn(move || walk(walk_end, actions)); // its end cancels `stop`
 //! match desktop::Display::open(&stop) {
-//!     Ok(display) => display.run(viewer, options, stop.clone())?,
+//!     Ok(display) => display.run(viewer, plan.window, stop.clone())?,
 //!     Err(_) => {} // `--window auto`: the walk goes on without
 //! }
 //! frames.join().ok();
@@ -36,6 +36,8 @@
 //!
 //! The mirror images need `TEXTURE_BINDING`, an sRGB format, and the device of the link's GPU.
 
+mod appearance;
+mod buttons;
 pub mod card;
 mod controls;
 mod easel;
@@ -46,15 +48,19 @@ pub mod menu;
 mod mirror;
 mod notice;
 mod numbers;
+mod open;
 mod options;
 mod painter;
 #[cfg(test)]
 mod painter_tests;
 mod panel;
+#[cfg(test)]
+mod panel_tests;
 mod parts;
 mod placement;
 mod plot;
 mod reading;
+mod recent;
 mod screen;
 mod server;
 mod stance;
@@ -98,6 +104,9 @@ pub enum DesktopError {
     /// Vulkan refused the surface.
     #[error("the GPU's driver cannot draw into a window of this desktop: {0}; use --window off")]
     Surface(#[from] wgpu::CreateSurfaceError),
+    /// A shader of the window's cannot be used.
+    #[error(transparent)]
+    Shader(#[from] render::gpu::stage::ShaderError),
     /// The walk has no GPU yet.
     #[error("the window has no GPU to draw on")]
     NoGpu,

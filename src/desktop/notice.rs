@@ -111,7 +111,7 @@ fn title(what: &str) -> String {
 fn failed(ui: &mut Ui, error: &str) {
     card(ui, "failed", Align2::CENTER_CENTER, 0.0, |ui| {
         ui.set_max_width(440.0);
-        failure(ui, error, "Close this window and start again with another file.");
+        failure(ui, error, "Open another scan (Ctrl+O), or drop one on this window.");
     });
 }
 

@@ -1,6 +1,5 @@
 //! What the window is told at start: how large it is, what it shows, and what the panel lets the user choose.
 
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// How the window begins.
@@ -12,6 +11,8 @@ pub struct WindowOptions {
     pub panel: bool,
     /// Which eye is mirrored.
     pub mirror: MirroredEyes,
+    /// True if the scans that were opened last are kept in a file of the user's.
+    pub recent: bool,
     /// What the panel can offer.
     pub widgets: Widgets,
 }
@@ -26,8 +27,8 @@ pub struct Widget {
     pub title: String,
     /// Text for a user who points at the widget.
     pub help: String,
-    /// Names of all values; none if the setting is not chosen by name.
-    pub names: &'static [&'static str],
+    /// Names of values; none if the setting is not chosen by name.
+    pub names: Vec<String>,
     /// The least and the greatest number.
     pub range: Option<[f64; 2]>,
     /// Unit of its numbers in words.
@@ -49,35 +50,50 @@ impl WindowOptions {
     /// A window whose panel is shown and offers all that there is. A test of `src/resolve.rs` compares its widgets with
     /// the settings.
     pub(crate) fn sample() -> Self {
-        let widget = |title: &str, names, range, unit| {
+        let widget = |title: &str, names: &[&str], range, unit| {
             let (title, help) = (title.into(), format!("What {title} means"));
+            let names = names.iter().map(ToString::to_string).collect();
             Widget { title, help, names, range, unit }
         };
-        let overlays = &["none", "rings", "nodes", "overdraw", "depth", "precision"];
+        let overlays = ["none", "rings", "nodes", "overdraw", "depth", "precision"];
         let widgets = [
+            ("frame.quality", widget("Quality", &["closest", "hqs"], None, "")),
+            ("frame.background", widget("Background", &[], Some([0.0, 255.0]), "")),
+            ("surround.show", widget("Show", &[], None, "")),
+            ("surround.sky", widget("Sky", &[], Some([0.0, 255.0]), "")),
+            ("surround.horizon", widget("Horizon", &[], Some([0.0, 255.0]), "")),
+            ("surround.ground", widget("Ground", &[], Some([0.0, 255.0]), "")),
             ("window.mirror", widget("Mirror", &["left", "right", "both"], None, "")),
-            ("window.overlay", widget("Overlay", overlays, None, "")),
+            ("window.overlay", widget("Overlay", &overlays, None, "")),
             ("cloud.up", widget("Up", &["auto", "z", "y", "-y"], None, "")),
-            ("cloud.unit", widget("Unit", &[], Some([1e-9, 1e9]), "meters")),
+            (
+                "cloud.unit",
+                widget("Unit", &["auto", "m", "mm", "cm", "ft", "us-ft"], Some([1e-9, 1e9]), "meters"),
+            ),
             (
                 "locomotion.seen_as",
                 widget("Seen as", &["auto", "interior", "outdoors", "landscape", "object"], None, ""),
             ),
             ("locomotion.speed_factor", widget("Speed factor", &[], Some([1.0 / 64.0, 64.0]), "times")),
         ];
-        Self { size: [640, 480], panel: true, mirror: MirroredEyes::Left, widgets: widgets.into() }
+        Self {
+            size: [640, 480],
+            panel: true,
+            mirror: MirroredEyes::Left,
+            recent: false,
+            widgets: widgets.into(),
+        }
     }
 }
 
-/// What the window mirrors.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MirroredEyes {
-    /// The left eye.
-    #[default]
-    Left,
-    /// The right eye.
-    Right,
-    /// Both eyes, side by side.
-    Both,
+base::choice! {
+    /// What the window mirrors.
+    pub enum MirroredEyes {
+        /// The left eye.
+        Left = "left",
+        /// The right eye.
+        Right = "right",
+        /// Both eyes, side by side.
+        Both = "both",
+    }
 }

@@ -4,14 +4,17 @@ use super::MirroredEyes;
 use super::QUEUE_PATIENCE;
 use super::mirror::MirrorPipeline;
 use crate::walk::link::MirrorImages;
+use base::srgb::linear_from_srgb;
 use render::gpu::Gpu;
+use render::gpu::stage::ShaderError;
 
 /// Color where nothing else is drawn: near black and a little bluish, so that an empty window is not a black hole.
 const EMPTY: [f64; 3] = [18.0 / 255.0, 20.0 / 255.0, 24.0 / 255.0];
 
 /// Pipelines and egui's textures, for one format of picture.
 pub(super) struct Painter {
-    mirror: MirrorPipeline,
+    /// Draws the mirror, if there may be one.
+    mirror: Option<MirrorPipeline>,
     egui: egui_wgpu::Renderer,
     format: wgpu::TextureFormat,
     /// Textures that egui freed in the picture before, which had to be submitted first.
@@ -39,16 +42,23 @@ impl EguiPicture {
 }
 
 impl Painter {
-    /// A painter for pictures of `format`.
+    /// A painter for pictures of `format` without a mirror.
     pub(super) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         let egui = egui_wgpu::Renderer::new(device, format, egui_wgpu::RendererOptions::default());
-        Self {
-            mirror: MirrorPipeline::new(device, format),
-            egui,
-            format,
-            freed: Vec::new(),
-            unsent: Default::default(),
-        }
+        Self { mirror: None, egui, format, freed: Vec::new(), unsent: Default::default() }
+    }
+
+    /// A painter for pictures of `format` that may mirror the eyes.
+    ///
+    /// # Errors
+    /// If the mirror's shader cannot be used.
+    pub(super) fn with_mirror(
+        device: &wgpu::Device,
+        format: wgpu::TextureFormat,
+    ) -> Result<Self, ShaderError> {
+        let mut painter = Self::new(device, format);
+        painter.mirror = Some(MirrorPipeline::new(device, format)?);
+        Ok(painter)
     }
 
     /// Records a picture of `size_px`; the caller submits the commands, in order. `None` if the queue is not to be had.
@@ -96,8 +106,8 @@ impl Painter {
                 ..Default::default()
             })
             .forget_lifetime();
-        if let Some((images, mirror)) = mirror {
-            self.mirror.draw(device, &mut pass, size_px, images, mirror);
+        if let (Some(pipeline), Some((images, mirror))) = (&mut self.mirror, mirror) {
+            pipeline.draw(device, &mut pass, size_px, images, mirror);
         }
         self.egui.render(&mut pass, &ui.primitives, &screen);
         drop(pass);
@@ -107,7 +117,7 @@ impl Painter {
 
     /// [`EMPTY`] as a clear value: the hardware encodes it for sRGB formats.
     fn empty(&self) -> wgpu::Color {
-        let linear = |c: f64| if self.format.is_srgb() { ((c + 0.055) / 1.055).powf(2.4) } else { c };
+        let linear = |c: f64| if self.format.is_srgb() { linear_from_srgb(c) } else { c };
         let [r, g, b] = EMPTY.map(linear);
         wgpu::Color { r, g, b, a: 1.0 }
     }
@@ -117,5 +127,12 @@ impl Drop for Painter {
     fn drop(&mut self) {
         // egui insists that nobody forgets its textures; these go with the GPU's.
         self.unsent.clear();
+    }
+}
+
+impl Drop for EguiPicture {
+    fn drop(&mut self) {
+        // A picture that is not painted, for the GPU is lost.
+        self.textures.clear();
     }
 }

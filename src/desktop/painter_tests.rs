@@ -6,10 +6,11 @@ use super::history::{History, tests::row};
 use super::painter::{EguiPicture, Painter};
 use super::{MirroredEyes, WindowOptions, card, help, keys, menu, notice, panel, style};
 use crate::walk::action::{Action, Stance};
+use crate::walk::appearance::QualityPreset;
 use crate::walk::kind::ScanKind;
 use crate::walk::link::{HeadsetState, LoadState, MirrorImages};
 use crate::walk::moving::Turn;
-use crate::walk::state::{AppState, Snapshot, SpeedFactor};
+use crate::walk::state::Snapshot;
 use base::task::Done;
 use render::gpu::Gpu;
 use render::options::Overlay;
@@ -42,7 +43,7 @@ fn mirrored(gpu: &Gpu, images: &MirrorImages, mirror: MirroredEyes, format: Text
     let target = texture(gpu, format, usage);
     let nothing = EguiPicture { primitives: Vec::new(), textures: Default::default(), pixels_per_point: 1.0 };
     let view = target.create_view(&Default::default());
-    let mut painter = Painter::new(&gpu.device, format);
+    let mut painter = Painter::with_mirror(&gpu.device, format).expect("a painter");
     let commands = painter
         .record(gpu, &view, [EDGE, EDGE], Some((images, mirror)), nothing)
         .expect("nobody else has the queue");
@@ -63,7 +64,7 @@ fn mirrored(gpu: &Gpu, images: &MirrorImages, mirror: MirroredEyes, format: Text
     );
     gpu.queue.lock().submit(commands.into_iter().chain([encoder.finish()]));
     buffer.slice(..).map_async(wgpu::MapMode::Read, |mapped| mapped.unwrap());
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+    gpu.poll(wgpu::PollType::wait_indefinitely()).unwrap();
     let bytes = buffer.slice(..).get_mapped_range().unwrap();
     let row = |y: u32| (0..EDGE).map(move |x| (y * row_bytes + 4 * x) as usize);
     (0..EDGE).flat_map(row).map(|at| bytes[at]).collect()
@@ -130,10 +131,11 @@ fn painted(contents: impl FnMut(&mut egui::Ui)) -> String {
     words
 }
 
-/// What is chosen when a hand points at this word of the menu, presses and lets go.
-fn chosen(word: &str) -> Vec<Action> {
-    let stance = stance();
-    let state = AppState::new(Overlay::None, SpeedFactor::default()).snapshot();
+/// What is chosen when a hand points at this word of the menu, presses and lets go; and where the word is, in meters from the
+/// menu's middle.
+fn chosen(word: &str) -> (Vec<Action>, [f64; 2]) {
+    let stance = Stance::sample();
+    let state = Snapshot::sample();
     let snapshot = Snapshot { stance: Some(stance), menu: Some(1), ..state };
     let context = egui::Context::default();
     style::apply(&context);
@@ -142,7 +144,8 @@ fn chosen(word: &str) -> Vec<Action> {
     let mut all = Vec::new();
     let mut pass = |events: Vec<egui::Event>| {
         let input = egui::RawInput { screen_rect, events, ..Default::default() };
-        let mut output = context.run_ui(input, |ui| all.extend(menu::contents(ui, &snapshot, &stance)));
+        let mut output =
+            context.run_ui(input, |ui| all.extend(menu::contents(ui, &snapshot, &stance, "SteamVR/OpenXR")));
         output.textures_delta.clear();
         output.shapes.iter().find_map(|clipped| match &clipped.shape {
             egui::Shape::Text(text) if text.galley.text() == word => {
@@ -162,7 +165,9 @@ fn chosen(word: &str) -> Vec<Action> {
     for event in [egui::Event::PointerMoved(pos), button(true), button(false)] {
         pass(vec![event]);
     }
-    all
+    let [width, height] = crate::walk::menu::SIZE_M;
+    let across = |at: f32, length: f32, meters: f64| (f64::from(at / length) - 0.5) * meters;
+    (all, [across(pos.x, size.x, width), -across(pos.y, size.y, height)])
 }
 
 #[test]
@@ -177,31 +182,21 @@ fn the_menu_sends_what_is_chosen_in_it() {
         ("Seated", Action::ToggleSeated),
         ("Turns by steps", Action::SetTurn(Turn::Smooth)),
         ("Dark edge: some", Action::SetVignette(1.0)),
+        ("Performance", Action::SetPreset(QualityPreset::Performance)),
+        ("What the buttons do", Action::ToggleButtons),
         ("Close", Action::ToggleMenu(1)),
         ("Leave scanwalk", Action::Quit),
     ] {
-        assert_eq!(chosen(word), [action], "{word}");
+        assert_eq!(chosen(word).0, [action], "{word}");
     }
+    // All of it fits, and `tests/view/hands.rs` points at the last button.
+    let (_, [x, y]) = chosen("Leave scanwalk");
+    assert!((x - 0.05).abs() < 0.03 && (y + 0.168).abs() < 0.01, "{x} {y}");
 }
 
 #[test]
 fn the_label_says_how_large_hands_make_the_scan() {
     assert!(painted(|ui| menu::label(ui, 0.08)).contains("1 : 12.5"));
-}
-
-/// Somebody who walks in an interior.
-fn stance() -> Stance {
-    Stance {
-        kind: ScanKind::Interior,
-        said: None,
-        is_walking: true,
-        scale: 1.0,
-        is_scaling: false,
-        raised_m: 0.0,
-        num_places: 0,
-        turn: Turn::Snap,
-        vignette: 0.5,
-    }
 }
 
 #[test]
@@ -221,7 +216,7 @@ fn the_card_in_the_headset_says_how_far_loading_is_and_why_it_failed() {
 }
 
 fn panel_words(history: &History, load: &LoadState, overlay: Overlay) -> String {
-    words_in(history, load, AppState::new(overlay, SpeedFactor::default()).snapshot())
+    words_in(history, load, Snapshot { overlay, ..Snapshot::sample() })
 }
 
 fn words_in(history: &History, load: &LoadState, state: Snapshot) -> String {
@@ -232,6 +227,7 @@ fn words_in(history: &History, load: &LoadState, state: Snapshot) -> String {
     let contents = panel::Contents {
         history,
         load,
+        recent: &[],
         headset: &headset,
         widgets: &options.widgets,
         state,
@@ -255,9 +251,10 @@ fn the_panel_opens_with_the_scan_and_timing_is_a_tab() {
     let contents = panel::Contents {
         history: &history,
         load: &load,
+        recent: &[],
         headset: &headset,
         widgets: &options.widgets,
-        state: AppState::new(Overlay::None, SpeedFactor::default()).snapshot(),
+        state: Snapshot::sample(),
         eye_px: None,
         now: Instant::now(),
     };
@@ -303,7 +300,7 @@ fn the_panel_tells_of_frames_scan_and_machine() {
         "Some GPU",
         "Monado 25",
         "1440 × 1600 px",
-        "Both",
+        "both",
         "×1",
         "20 green",
         "times above are without it",
@@ -334,18 +331,18 @@ fn the_panel_bears_having_nothing_to_tell() {
 #[test]
 fn the_panel_tells_how_the_user_is_in_the_scan() {
     let words_with = |stance| {
-        let state = Snapshot { stance, ..AppState::new(Overlay::None, SpeedFactor::default()).snapshot() };
+        let state = Snapshot { stance, ..Snapshot::sample() };
         words_in(&History::default(), &LoadState::default(), state)
     };
-    let words = words_with(Some(stance()));
-    for expected in ["an interior", "walk on floors", "as large as life", "Fly", "Model", "Keep place"] {
+    let words = words_with(Some(Stance::sample()));
+    for expected in ["interior", "walk on floors", "as large as life", "Fly", "Model", "Keep place"] {
         assert!(words.contains(expected), "{expected}: {words}");
     }
     assert!(!words.contains("Raised") && !words.contains("Next place"), "{words}");
     let (kind, scale) = (ScanKind::Landscape, 0.01);
-    let model = Stance { kind, is_walking: false, scale, raised_m: -0.25, num_places: 3, ..stance() };
+    let model = Stance { kind, is_walking: false, scale, raised_m: -0.25, num_places: 3, ..Stance::sample() };
     let words = words_with(Some(model));
-    for expected in ["a landscape", "fly", "1 : 100", "-0.25 m", "3", "Walk", "Life size", "Next place"] {
+    for expected in ["landscape", "fly", "1 : 100", "-0.25 m", "3", "Walk", "Life size", "Next place"] {
         assert!(words.contains(expected), "{expected}: {words}");
     }
     assert!(!words_with(None).contains("Moving"), "nothing of a scan has come");

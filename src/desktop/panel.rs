@@ -3,12 +3,14 @@
 use super::controls::{PanelTab, WindowState};
 use super::history::{History, TimeSummary};
 use super::parts::{fact, fold, section};
+use super::recent::RecentScan;
 use super::style::{self, BAD, FAINT, GOOD, STAGE_COLORS, WARN, caption};
-use super::{Widgets, numbers, plot, reading, stance, widget};
+use super::{Widgets, appearance, numbers, open, plot, reading, stance, widget};
 use crate::walk::action::Action;
+use crate::walk::filling::names;
 use crate::walk::link::{HeadsetState, LoadState};
 use crate::walk::state::Snapshot;
-use egui::{Align, Area, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Align, Area, Button, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Ui, vec2};
 use render::options::{Overlay, Quality};
 use std::time::Instant;
 use timing::{FrameRow, STAGES};
@@ -18,6 +20,9 @@ const WIDTH: f32 = 264.0;
 /// Distance from the window's corner, points.
 const MARGIN: f32 = 12.0;
 
+/// Windows narrower than this, in points, begin with the panel as a button: it would cover half of the picture.
+const FOLDED_BELOW: f32 = 700.0;
+
 /// Everything that the panel tells.
 pub(super) struct Contents<'a> {
     /// The last seconds of frames.
@@ -26,6 +31,8 @@ pub(super) struct Contents<'a> {
     pub load: &'a LoadState,
     /// Which headset the walk has.
     pub headset: &'a HeadsetState,
+    /// Scans that were opened last.
+    pub recent: &'a [RecentScan],
     /// What the user can choose.
     pub widgets: &'a Widgets,
     /// What there is to show of the application's state.
@@ -42,8 +49,17 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> 
         return Vec::new();
     }
     let mut asked = Vec::new();
-    let height = ui.ctx().content_rect().height() - 2.0 * MARGIN - 26.0;
+    let screen = ui.ctx().content_rect();
+    let height = screen.height() - 2.0 * MARGIN - 26.0;
     let area = Area::new(Id::unique("panel")).fixed_pos([MARGIN, MARGIN]);
+    if view.folded.unwrap_or(screen.width() < FOLDED_BELOW) {
+        let button =
+            area.show(ui.ctx(), |ui| ui.button("Panel").on_hover_text("Scan, picture, moving, timing"));
+        if button.inner.clicked() {
+            view.folded = Some(false);
+        }
+        return asked;
+    }
     area.show(ui.ctx(), |ui| {
         style::card().show(ui, |ui| {
             ui.set_width(WIDTH);
@@ -55,7 +71,9 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> 
                 tabs(ui, view);
                 match view.tab {
                     PanelTab::Scan => {
+                        asked.extend(opening(ui, contents, view));
                         asked.extend(scan(ui, contents));
+                        asked.extend(appearance::show(ui, &contents.state, contents.widgets));
                         let stance = contents.state.stance.as_ref();
                         asked.extend(stance.and_then(|stance| stance::show(ui, stance, contents.widgets)));
                         section(ui);
@@ -80,6 +98,11 @@ fn tabs(ui: &mut Ui, view: &mut WindowState) {
         for (title, tab) in [("Scan", PanelTab::Scan), ("Timing", PanelTab::Timing)] {
             ui.selectable_value(&mut view.tab, tab, title);
         }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if ui.small_button("–").on_hover_text("Make the panel a button").clicked() {
+                view.folded = Some(true);
+            }
+        });
     });
     section(ui);
 }
@@ -220,6 +243,30 @@ fn overlay_meaning(overlay: Overlay, row: Option<&FrameRow>) -> &'static str {
         Overlay::Depth => "Near dark, far white, each color a factor of 7; black where nothing is.",
         Overlay::Precision => "Boxes of batches, by bits read: 10 blue, 20 green, 30 orange.",
     }
+}
+
+/// Draws what opens another scan; returns the action that opens one that was opened before.
+fn opening(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> Option<Action> {
+    let before = contents.load.scan.as_ref()?;
+    let mut asked = None;
+    ui.horizontal(|ui| {
+        view.opening |= ui.button("Open…").on_hover_text("Open another scan (Ctrl+O)").clicked();
+        if contents.recent.is_empty() {
+            return;
+        }
+        ui.menu_button("Recent", |ui| {
+            for scan in contents.recent {
+                let paths: Vec<String> = scan.files.iter().map(|file| file.display().to_string()).collect();
+                let paths = paths.join("\n");
+                let gone = format!("{paths}\nThe file is gone.");
+                let button = ui.add_enabled(scan.is_there, Button::new(names(&scan.files)));
+                if button.on_hover_text(paths).on_disabled_hover_text(gone).clicked() {
+                    asked = Some(open::open(scan.files.clone(), before));
+                }
+            }
+        });
+    });
+    asked
 }
 
 /// Tells what the readers found; returns the action that the user asked for.

@@ -1,7 +1,6 @@
-//! What the panel is made of: parts that can be folded, facts, choices.
+//! What the panel is made of: parts that can be folded, and facts.
 
 use super::style::{FAINT, caption};
-use super::{Widget, Widgets};
 use egui::{Align, Layout, RichText, Ui};
 
 /// Draws the line between two parts.
@@ -20,29 +19,6 @@ pub(super) fn fold(ui: &mut Ui, title: &str, open: bool, contents: impl FnOnce(&
         .id_salt(name)
         .default_open(open)
         .show_unindented(ui, contents);
-}
-
-/// Draws the name of the setting with this key and a choice of its value on one line.
-pub(super) fn combo<T: PartialEq + Copy>(
-    ui: &mut Ui,
-    widgets: &Widgets,
-    key: &'static str,
-    value: &mut T,
-    all: &[(&str, T)],
-) {
-    // A key without a widget is a mistake of whoever draws the row, which every test of the panel shows.
-    let Widget { title, help, .. } = widgets.get(key).expect("a setting");
-    ui.horizontal(|ui| {
-        ui.label(RichText::new(title).color(FAINT)).on_hover_text(help);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let shown = all.iter().find(|(_, choice)| choice == value).map_or("as set", |(title, _)| *title);
-            egui::ComboBox::from_id_salt(key).selected_text(shown).show_ui(ui, |ui| {
-                for (title, choice) in all {
-                    ui.selectable_value(value, *choice, *title);
-                }
-            });
-        });
-    });
 }
 
 /// Draws a name and its value on one line. A long value is cut; pointing at it shows the whole.

@@ -1,17 +1,12 @@
 //! The part of the panel that tells how the scan was understood, and has it read in another way: files lie about their
 //! units, and models lie on their side.
 
-use super::Widgets;
-use super::parts::combo;
+use super::{Widgets, widget};
 use crate::walk::action::{Action, Stance};
 use crate::walk::filling::ScanRequest;
 use crate::walk::link::LoadState;
-use egui::Ui;
-use points::{Unit, Up};
+use egui::{Grid, Ui};
 use std::sync::Arc;
-
-/// Values of `cloud.up`.
-const UPS: [(&str, Up); 4] = [("auto", Up::Auto), ("z", Up::Z), ("y", Up::Y), ("-y", Up::MinusY)];
 
 /// Draws the choices; returns the action that the user asked for in them.
 pub(super) fn show(
@@ -22,8 +17,10 @@ pub(super) fn show(
 ) -> Option<Action> {
     let request = load.scan.as_ref()?;
     let mut read = request.read.clone();
-    combo(ui, widgets, "cloud.up", &mut read.up, &UPS);
-    combo(ui, widgets, "cloud.unit", &mut read.unit, &Unit::choices());
+    Grid::new("reading").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {
+        widget::row(ui, widgets, "cloud.up", read.up, |up| read.up = up);
+        widget::row(ui, widgets, "cloud.unit", read.unit, |unit| read.unit = unit);
+    });
     // What the user has said of the scan stays said.
     let kind = stance.and_then(|stance| stance.said).or(request.kind);
     let is_another = read != request.read;

@@ -66,7 +66,7 @@ impl WindowSurface {
     pub(super) fn begin(&mut self) -> Result<Option<wgpu::SurfaceTexture>, DesktopError> {
         if !self.finished.load(Ordering::Acquire) {
             // This runs the callback of `present` if its time has come, and waits for nothing.
-            let _ = self.gpu.device.poll(wgpu::PollType::Poll);
+            let _ = self.gpu.poll(wgpu::PollType::Poll);
             if !self.finished.load(Ordering::Acquire) {
                 return Ok(None);
             }

@@ -1,21 +1,18 @@
 //! The part of the panel that tells how the user is in the scan, and changes it.
 
-use super::parts::{combo, fact, fold};
-use super::{Widgets, keys, numbers};
+use super::parts::{fact, fold};
+use super::{Widgets, keys, numbers, widget};
 use crate::walk::action::{Action, Stance};
-use crate::walk::kind::ScanKind;
-use egui::Ui;
+use egui::{Grid, Ui};
 
 /// Draws the part; returns the action that the user asked for in it.
 pub(super) fn show(ui: &mut Ui, stance: &Stance, widgets: &Widgets) -> Option<Action> {
     let mut asked = None;
     fold(ui, "Moving", true, |ui| {
-        let mut kind = stance.kind;
-        let kinds = ScanKind::ALL.map(|kind| (kind.name(), kind));
-        combo(ui, widgets, "locomotion.seen_as", &mut kind, &kinds);
-        if kind != stance.kind {
-            asked = Some(Action::TakeFor(kind));
-        }
+        Grid::new("moving").num_columns(2).spacing([12.0, 5.0]).show(ui, |ui| {
+            let take_for = |kind| asked = Some(Action::TakeFor(kind));
+            widget::row(ui, widgets, "locomotion.seen_as", stance.kind, take_for);
+        });
         fact(ui, "You", if stance.is_walking { "walk on floors" } else { "fly" });
         fact(ui, "Scan", &numbers::scale(stance.scale));
         if stance.raised_m != 0.0 {

@@ -4,12 +4,13 @@
 use super::controls::{Controls, WindowState};
 use super::history::History;
 use super::keys::WindowInput;
+use super::open::{self, DialogOutcome, OpenDialog};
 use super::painter::{EguiPicture, Painter};
 use super::placement::{panes, seen_at};
+use super::recent::{self, Recent};
 use super::screen::WindowSurface;
 use super::{DesktopError, QUEUE_PATIENCE, WindowOptions, help, notice, panel, server, style};
 use crate::walk::action::Action;
-use crate::walk::filling::ScanRequest;
 use crate::walk::link::{HeadsetState, LoadState, ViewerEnd};
 use crate::walk::state::Snapshot;
 use base::task::CancelToken;
@@ -48,6 +49,11 @@ pub(super) struct App {
     failure: Option<DesktopError>,
     /// Files that were dropped on the window since the last look at it.
     dropped: Vec<PathBuf>,
+    recent: Recent,
+    /// The files that were last added to it.
+    remembered: Vec<PathBuf>,
+    /// The dialog in which another scan is chosen, while it is open.
+    dialog: Option<OpenDialog>,
     next_tick: Instant,
 }
 
@@ -75,7 +81,7 @@ impl WindowGpu {
     /// A canvas whose panels are as `memory` has them.
     fn new(gpu: &Arc<Gpu>, window: &Arc<Window>, memory: egui::Memory) -> Result<Self, DesktopError> {
         let screen = WindowSurface::new(Arc::clone(gpu), Arc::clone(window))?;
-        let painter = Painter::new(&gpu.device, screen.format());
+        let painter = Painter::with_mirror(&gpu.device, screen.format())?;
         // The context of another GPU has uploaded its textures there.
         let context = egui::Context::default();
         context.memory_mut(|own| *own = memory);
@@ -118,6 +124,7 @@ impl App {
     pub(super) fn new(viewer: ViewerEnd, options: WindowOptions, stop: CancelToken) -> Self {
         let controls = Controls::new(WindowState::new(&options));
         let (load, headset, state) = (viewer.load(), viewer.headset(), viewer.snapshot());
+        let recent = Recent::new(if options.recent { recent::file_of_user() } else { None });
         Self {
             viewer,
             options,
@@ -130,6 +137,9 @@ impl App {
             shown: None,
             failure: None,
             dropped: Vec::new(),
+            recent,
+            remembered: Vec::new(),
+            dialog: None,
             next_tick: Instant::now(),
         }
     }
@@ -203,6 +213,8 @@ impl App {
                 shown.window.set_title(&self.title());
             }
         }
+        self.remember();
+        news |= self.recent.take_in();
         if let Some(shown) = &mut self.shown {
             shown.stale |= news;
         }
@@ -210,13 +222,26 @@ impl App {
         !ended || self.load.error.is_some()
     }
 
-    /// Opens the files that were dropped together, as one scan.
+    /// Adds a scan that could be read to those that were opened last.
+    fn remember(&mut self) {
+        let LoadState { scan: Some(scan), facts, .. } = &self.load else { return };
+        if !facts.is_empty() && scan.files != self.remembered {
+            self.remembered.clone_from(&scan.files);
+            self.recent.add(&scan.files);
+        }
+    }
+
+    /// Opens these files as one scan, if there are any.
+    fn open_scan(&self, files: Vec<PathBuf>) {
+        if let Some(before) = self.load.scan.as_ref().filter(|_| !files.is_empty()) {
+            self.send(Some(open::open(files, before)));
+        }
+    }
+
+    /// Opens the files that were dropped together.
     fn open_dropped(&mut self) {
         let files = std::mem::take(&mut self.dropped);
-        if let Some(before) = self.load.scan.as_ref().filter(|_| !files.is_empty()) {
-            let request = ScanRequest { files, kind: None, ..ScanRequest::clone(before) };
-            self.send(Some(Action::Open(Arc::new(request))));
-        }
+        self.open_scan(files);
     }
 
     fn keyboard(&mut self, event: &KeyEvent, synthetic: bool) {
@@ -243,6 +268,9 @@ impl App {
 
     /// Handles mouse events and the rest; `ours` is true if the pointer is on the picture, not on the panel.
     fn other(&mut self, event: &WindowEvent, ours: bool) {
+        if let WindowEvent::DroppedFile(path) = event {
+            self.dropped.push(path.clone());
+        }
         let action = match *event {
             WindowEvent::Focused(false) => self.controls.release_all(),
             WindowEvent::MouseInput {
@@ -280,16 +308,21 @@ impl App {
         }
     }
 
+    /// Draws on the walk's GPU, unless that is lost: then the walk looks for another.
     fn draw(&mut self) -> Result<(), DesktopError> {
+        let gpu = self.viewer.gpu();
+        let Some(gpu) = gpu.or_else(|| self.shown.as_ref().map(|shown| Arc::clone(&shown.canvas.gpu))) else {
+            return Ok(());
+        };
+        gpu.unless_lost(|| self.draw_on(&gpu)).unwrap_or(Ok(()))
+    }
+
+    fn draw_on(&mut self, gpu: &Arc<Gpu>) -> Result<(), DesktopError> {
         let Some(shown) = &mut self.shown else { return Ok(()) };
-        if let Some(gpu) = self.viewer.gpu().filter(|gpu| !Arc::ptr_eq(gpu, &shown.canvas.gpu)) {
-            shown.move_to(&gpu)?;
+        if !Arc::ptr_eq(gpu, &shown.canvas.gpu) {
+            shown.move_to(gpu)?;
         }
         let canvas = &mut shown.canvas;
-        // Nothing can be drawn on a GPU that is lost; the walk looks for another.
-        if canvas.gpu.lost().is_some() {
-            return Ok(());
-        }
         // While a runtime is stuck with the queue, the window takes keys and shows its last picture.
         if canvas.gpu.queue.lock_within(QUEUE_PATIENCE).is_none() {
             return Ok(());
@@ -302,6 +335,7 @@ impl App {
         let contents = panel::Contents {
             history: &self.history,
             load: &self.load,
+            recent: self.recent.scans(),
             headset: &self.headset,
             widgets: &self.options.widgets,
             state: self.state,
@@ -311,13 +345,25 @@ impl App {
         let dragging = self.controls.dragging();
         let view = &mut self.controls.view;
         let mut asked = Vec::new();
+        let mut choice = None;
+        let shown_files = self.load.scan.as_ref().map_or(&[][..], |scan| &scan.files);
+        let is_empty = self.load.scan.is_some() && shown_files.is_empty();
         let mut output = context.run_ui(input, |ui| {
             asked.extend(panel::show(ui, &contents, view));
             notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
             asked.extend(notice::waiting(ui, &self.headset, self.history.is_stalled(now)));
             notice::told(ui, self.viewer.notice().as_ref(), now);
+            if is_empty && !view.opening {
+                view.opening = open::welcome(ui);
+            }
+            if view.opening {
+                let dialog = self.dialog.get_or_insert_with(|| OpenDialog::new(shown_files));
+                choice = dialog.show(ui);
+            }
             help::show(ui, view);
         });
+        view.opening &= choice.is_none();
+        self.dialog.take_if(|_| !view.opening);
         if dragging {
             output.platform_output.cursor_icon = egui::CursorIcon::Grabbing;
         }
@@ -333,6 +379,9 @@ impl App {
             canvas.screen.present(commands, picture);
         }
         asked.into_iter().for_each(|action| self.send(Some(action)));
+        if let Some(DialogOutcome::Open(files)) = choice {
+            self.open_scan(files);
+        }
         Ok(())
     }
 }
@@ -363,9 +412,13 @@ impl ApplicationHandler for App {
             }
             WindowEvent::KeyboardInput { event: key, is_synthetic, .. } => {
                 shown.stale = true;
-                // egui gets keys only while one of its widgets has asked for them (a number being typed);
+                // egui gets keys only while one of its widgets has asked for them (a number being typed), a list is unfolded, or a scan is
+                // chosen;
                 // releases always reach the controls, which may have seen the key go down.
-                let typing = shown.canvas.egui.egui_ctx().egui_wants_keyboard_input();
+                let context = shown.canvas.egui.egui_ctx();
+                let typing = context.egui_wants_keyboard_input()
+                    || egui::Popup::is_any_open(context)
+                    || self.controls.view.opening;
                 if typing {
                     let _ = shown.canvas.egui.on_window_event(&shown.window, &event);
                 }
@@ -376,9 +429,6 @@ impl ApplicationHandler for App {
             other => {
                 if let WindowEvent::Occluded(occluded) = other {
                     shown.occluded = *occluded;
-                }
-                if let WindowEvent::DroppedFile(path) = other {
-                    self.dropped.push(path.clone());
                 }
                 let response = shown.canvas.egui.on_window_event(&shown.window, other);
                 let resized =
@@ -415,5 +465,32 @@ impl ApplicationHandler for App {
     fn exiting(&mut self, _: &ActiveEventLoop) {
         // The surface must go while the event loop's connection to the display still stands.
         self.shown = None;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::walk::filling::ScanRequest;
+    use crate::walk::link;
+    use points::ReadOptions;
+
+    /// Files that are dropped together come one by one, and are one scan.
+    #[test]
+    fn dropped_files_are_opened_as_the_scan_before_was_read() {
+        let (walk, actions, viewer) = link::link(Snapshot::sample());
+        let read = ReadOptions { strict: true, ..ReadOptions::AS_FILES_SAY };
+        let before = ScanRequest { files: vec!["hall.laz".into()], read, kind: None };
+        walk.update_load(|load| load.scan = Some(Arc::new(before.clone())));
+        let mut app = App::new(viewer, WindowOptions::sample(), CancelToken::default());
+        app.open_dropped();
+        for name in ["a.las", "b.las"] {
+            app.other(&WindowEvent::DroppedFile(name.into()), true);
+        }
+        app.open_dropped();
+        app.open_dropped();
+        let files = vec!["a.las".into(), "b.las".into()];
+        let wanted = Action::Open(Arc::new(ScanRequest { files, ..before }));
+        assert_eq!(actions.try_iter().collect::<Vec<_>>(), [wanted], "once, and nothing without files");
     }
 }

@@ -184,7 +184,7 @@ impl Offscreen {
             queue.submit([commands]);
         }
         self.renderer.submitted();
-        self.gpu.device.poll(wgpu::PollType::wait_indefinitely()).map_err(ReadbackError::from)?;
+        self.gpu.poll(wgpu::PollType::wait_indefinitely()).map_err(ReadbackError::from)?;
         self.renderer.collect_times().ok_or(PictureError::NoFrame)
     }
 

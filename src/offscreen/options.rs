@@ -1,6 +1,6 @@
 //! What picture to draw, and why there may be none.
 
-use crate::draw::CannotDraw;
+use crate::draw::{CannotDraw, no_gpu};
 use base::output::{Output, OutputError};
 use base::space::Fov;
 use base::task::Cancelled;
@@ -9,7 +9,7 @@ use glam::DVec3;
 use points::{Scan, ScanError};
 use render::gpu::GpuError;
 use render::gpu::readback::ReadbackError;
-use render::{TargetTooLarge, UploadError};
+use render::{RendererError, UploadError};
 use std::path::PathBuf;
 
 /// What is wrong with an eye and a target at one place.
@@ -109,7 +109,7 @@ pub enum PictureError {
     #[error("{0}")]
     Usage(String),
     /// There is no GPU that can be used.
-    #[error(transparent)]
+    #[error("{}", no_gpu(.0))]
     Gpu(#[from] GpuError),
     /// The scan cannot be read.
     #[error(transparent)]
@@ -133,9 +133,9 @@ pub enum PictureError {
         /// Pixels that either may be.
         most: u32,
     },
-    /// The picture does not fit into the GPU's memory.
+    /// The picture does not fit into the GPU's memory, or what is to be drawn is not to be had.
     #[error(transparent)]
-    Target(#[from] TargetTooLarge),
+    Renderer(#[from] RendererError),
     /// The GPU draws no frame, or gives none back.
     #[error(transparent)]
     Readback(#[from] ReadbackError),

@@ -1,8 +1,9 @@
 //! What surfaces (the window, hands, a panel in the headset) ask of the walk, and how they are told where the user is.
 
+use super::appearance::{Appearance, QualityPreset};
 use super::filling::ScanRequest;
 use super::kind::ScanKind;
-use super::moving::Turn;
+use super::moving::{Turn, VignetteOptions};
 use glam::DVec3;
 use render::options::Overlay;
 use std::sync::Arc;
@@ -77,10 +78,16 @@ pub enum Action {
     NextOverlay,
     /// Open the menu by this hand, left 0 or right 1; close it if it is open.
     ToggleMenu(usize),
+    /// Label the controllers' buttons for a while, or no longer.
+    ToggleButtons,
     /// Turn in this way from now on.
     SetTurn(Turn),
-    /// Darken the edge of sight so far while a stick moves the user, 0 to 1.
+    /// Darken the edge of sight so far while a stick moves the user.
     SetVignette(f32),
+    /// Have frames look like this from now on.
+    SetAppearance(Appearance),
+    /// Have frames look as this preset says from now on.
+    SetPreset(QualityPreset),
     /// Show another scan, or the same one read in another way.
     Open(Arc<ScanRequest>),
     /// Look for a headset at once, if one is looked for at all.
@@ -110,6 +117,27 @@ pub struct Stance {
     pub num_places: usize,
     /// How the stick turns.
     pub turn: Turn,
-    /// How far the edge of sight is darkened while a stick moves the user, 0 to 1.
+    /// How far the edge of sight is darkened while a stick moves the user.
     pub vignette: f32,
+    /// How far it may be.
+    pub vignette_options: VignetteOptions,
+}
+
+#[cfg(test)]
+impl Stance {
+    /// Somebody who walks in an interior.
+    pub(crate) fn sample() -> Self {
+        Self {
+            kind: ScanKind::Interior,
+            said: None,
+            is_walking: true,
+            scale: 1.0,
+            is_scaling: false,
+            raised_m: 0.0,
+            num_places: 0,
+            turn: Turn::Snap,
+            vignette: VignetteOptions::sample().at_start,
+            vignette_options: VignetteOptions::sample(),
+        }
+    }
 }

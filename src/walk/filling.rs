@@ -15,7 +15,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 /// What is to be shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanRequest {
-    /// Files, which are one scan.
+    /// Files, which are one scan; none while there is nothing to show yet.
     pub files: Vec<PathBuf>,
     /// How they are read.
     pub read: ReadOptions,
@@ -27,9 +27,15 @@ impl ScanRequest {
     /// Names of the files, for people.
     #[must_use]
     pub fn names(&self) -> String {
-        let names = self.files.iter().filter_map(|path| Some(path.file_name()?.display().to_string()));
-        names.collect::<Vec<_>>().join(" ")
+        names(&self.files)
     }
+}
+
+/// Names of a scan's files, for people.
+#[must_use]
+pub fn names(files: &[PathBuf]) -> String {
+    let names = files.iter().filter_map(|path| Some(path.file_name()?.display().to_string()));
+    names.collect::<Vec<_>>().join(" ")
 }
 
 /// A scan, ready to be shown; sent by the loader's thread.

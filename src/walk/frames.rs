@@ -1,6 +1,7 @@
 //! Frames for one headset: what lives on its GPU, and what a frame does.
 
 use super::action::Action;
+use super::appearance::Appearance;
 use super::governor::{Governor, Settings};
 use super::locomotion::{Locomotion, head_of};
 use super::masks::Masks;
@@ -13,7 +14,7 @@ use super::views::Views;
 use super::walker::Walker;
 use base::space::Pose;
 use render::gpu::Gpu;
-use render::{EyeImage, Renderer, Setup};
+use render::{EyeImage, Renderer, RendererError, Setup};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use timing::{CallTimes, FrameRow, Phase, STAGES, ms};
@@ -49,6 +50,8 @@ pub(super) struct Frames {
     menu: MenuOfWalk,
     /// The menu, if it is drawn into the eyes' images.
     drawn_panel: Option<Panel>,
+    /// The labels of the controllers' buttons, while they are seen.
+    button_labels: Option<wgpu::Texture>,
     /// State of the session, as the window was told.
     session: &'static str,
     /// True once the governor knows of all of the scan.
@@ -84,14 +87,16 @@ impl Frames {
             depth_format: headset.depth_format(),
             atomics: walk.draw.atomics(gpu)?,
         };
-        let governor = Governor::new(walk.options.governor, &walk.draw.options);
+        let appearance = walker.state.appearance();
+        let governor = Governor::new(appearance.governor, &appearance.draw);
         let technique = walk.draw.technique.open(gpu);
-        let mut renderer = Renderer::with_technique(gpu, setup, walk.draw.options, technique)?;
-        renderer.show_scenery(walk.options.surround);
+        let mut renderer = Renderer::with_technique(gpu, setup, appearance.draw, technique)?;
+        renderer.show_scenery(appearance.shown_surround()).map_err(RendererError::from)?;
         if let Some(cloud) = &walker.cloud {
             renderer.set_cloud(cloud.clone())?;
         }
-        let mirror = walk.mirrored.then(|| Mirror::new(&renderer));
+        let mirror =
+            walk.mirrored.then(|| Mirror::new(&renderer)).transpose().map_err(RendererError::from)?;
         walker.rows.restart(gpu.queue.written_bytes());
         Ok(Self {
             gpu: Arc::clone(gpu),
@@ -106,6 +111,7 @@ impl Frames {
             hands: SeenHands::default(),
             menu: MenuOfWalk::default(),
             drawn_panel: None,
+            button_labels: None,
             session: "",
             has_begun: false,
         })
@@ -118,9 +124,6 @@ impl Frames {
         walker: &mut Walker,
         headset: &mut dyn Headset,
     ) -> Result<Step, WalkError> {
-        if let Some(reason) = self.gpu.lost() {
-            return Ok(Step::Ended(End::DeviceLost(reason.into())));
-        }
         self.take_loaded(walk, walker)?;
         if headset.session() != self.session {
             self.session = headset.session();
@@ -185,6 +188,7 @@ impl Frames {
         let mut pressed = None;
         if let Some(locomotion) = &mut walker.state.locomotion {
             pressed = locomotion.advance(seconds, speed, &free.controllers, head);
+            walker.state.buttons.advance(seconds, &self.hands);
             for (hand, event) in locomotion.guides().events.into_iter().enumerate() {
                 if let Some(event) = event {
                     let (strength, seconds) = event.tick();
@@ -195,10 +199,13 @@ impl Frames {
         if let Some(hand) = pressed {
             walker.state.apply(Action::ToggleMenu(hand));
         }
+        self.follow_appearance(walk, walker);
         let settings = self.settle(walker.rows.frame, headset)?;
         let is_scaling = walker.state.locomotion.as_ref().is_some_and(|user| user.guides().scale.is_some());
         let label = is_scaling.then(|| menu::label(&self.hands, &walker.stage_from_head)).flatten();
         let panel = self.menu.panel(&walk.link, label);
+        let is_labeled = panel.is_none() && walker.state.buttons.shown().is_some();
+        self.button_labels = is_labeled.then(|| self.menu.button_labels(&walk.link)).flatten();
         // What the headset cannot show by itself is drawn into the eyes' images.
         self.drawn_panel = panel.filter(|panel| !headset.show_panel(Some(panel)));
         if self.drawn_panel.is_none() && !self.menu.is_open() && label.is_none() {
@@ -313,6 +320,7 @@ impl Frames {
                 locomotion: None,
                 hands: &self.hands,
                 menu: None,
+                buttons: None,
                 pointing: None,
             };
             self.scenery.show(&mut self.renderer, &queue, &walk.link, stand);
@@ -332,11 +340,26 @@ impl Frames {
             locomotion: Some(locomotion),
             hands: &self.hands,
             menu: self.drawn_panel.as_ref(),
+            buttons: self.button_labels.as_ref(),
             pointing: self.menu.pointing,
         };
         self.scenery.show(&mut self.renderer, &queue, &walk.link, stand);
         walker.last_view = Some(view);
         Some(world_from_head)
+    }
+
+    /// Has frames look as users want it. What the GPU has no room for is not shown, and the state stays as it was.
+    fn follow_appearance(&mut self, walk: &Walk, walker: &mut Walker) {
+        let Some(wanted) = walker.state.take_wanted_appearance() else { return };
+        let wanted = Appearance { draw: walk.draw.technique.amended(wanted.draw), ..wanted };
+        if let Err(error) = self.renderer.set_options(wanted.draw) {
+            walk.link.set_notice(error.to_string());
+            return;
+        }
+        walker.state.set_appearance(wanted);
+        self.renderer.set_surround(wanted.shown_surround());
+        let has_detail = !self.has_begun || self.renderer.has_detail();
+        self.governor.aim_at(wanted.governor, wanted.draw.quality, has_detail);
     }
 
     /// Draws the frame with the governor's settings, which it returns.
@@ -411,7 +434,7 @@ impl Frames {
     pub fn close(mut self, walk: &Walk, walker: &mut Walker) {
         let wait = wgpu::PollType::Wait { submission_index: None, timeout: Some(LAST_FRAMES_WAIT) };
         // If waiting fails, the rows go without times.
-        let _ = self.gpu.device.poll(wait);
+        let _ = self.gpu.poll(wait);
         self.collect(walk, walker);
         walker.give_up_rows(walk);
     }

@@ -20,6 +20,7 @@ pub use ladder::Settings;
 
 use ladder::{NEW_LOAD, Rung, good_rung, ladder, later};
 use render::DrawOptions;
+use render::options::Quality;
 use std::fmt;
 use timing::Phase;
 
@@ -44,6 +45,14 @@ pub struct GovernorOptions {
     pub enabled: bool,
     /// Share of the display period that the GPU may use.
     pub budget: f32,
+}
+
+#[cfg(test)]
+impl GovernorOptions {
+    /// Options for tests.
+    pub(crate) const fn sample() -> Self {
+        Self { enabled: true, budget: 0.8 }
+    }
 }
 
 /// A change of settings, and why.
@@ -158,9 +167,14 @@ impl Governor {
     /// Forgets all that was learned: the walk's own cloud is shown from the next frame on. `has_detail` is true if it
     /// can be drawn with fewer points.
     pub fn restart(&mut self, has_detail: bool) {
-        let ladder = ladder(self.ladder[0].settings.quality, has_detail);
+        self.aim_at(self.options, self.ladder[0].settings.quality, has_detail);
+    }
+
+    /// Aims at this quality from the next frame on, and forgets all that was learned of another.
+    pub fn aim_at(&mut self, options: GovernorOptions, quality: Quality, has_detail: bool) {
         let newest_frame = self.newest_frame;
-        *self = Self { newest_frame, first_frame: newest_frame + 1, ..Self::at_top(self.options, ladder) };
+        let anew = Self::at_top(options, ladder(quality, has_detail));
+        *self = Self { newest_frame, first_frame: newest_frame + 1, ..anew };
     }
 
     /// The settings in force.

@@ -13,6 +13,7 @@
 use super::filling::{Filler, Loaded, ScanRequest};
 use super::link::WalkEnd;
 use super::simulated::{SimulatedHeadset, SimulatedOptions};
+use crate::draw::no_gpu;
 use render::gpu::{Gpu, GpuError};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -27,10 +28,9 @@ const LOOK_AT_LEAST_EVERY: Duration = Duration::from_secs(16);
 const LASTING: Duration = Duration::from_secs(10);
 
 /// Use of something that may be absent.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wish {
     /// Use it if it is there.
-    #[default]
     Auto,
     /// Fail without it.
     On,
@@ -65,7 +65,7 @@ pub enum CannotGoOn {
     #[error("--headset require: {0}")]
     Required(End),
     /// The GPU is lost, and no other can be opened.
-    #[error("{end}; no other can be opened: {source}")]
+    #[error("{end}; no other can be opened: {}", no_gpu(source))]
     NoGpu {
         /// The loss.
         end: End,
@@ -81,7 +81,7 @@ pub enum NoHeadset {
     #[error("--headset require")]
     Required(#[source] XrMissing),
     /// There is no GPU to simulate one on.
-    #[error(transparent)]
+    #[error("{}", no_gpu(.0))]
     Gpu(#[from] GpuError),
 }
 
@@ -288,8 +288,11 @@ impl Headsets for SoughtHeadsets {
             end => self.simulate(end)?,
         }
         let awaited = self.seeker.is_some();
-        let then =
-            if awaited { "; the walk goes on without it until one answers" } else { "; the walk goes on" };
+        let then = if awaited {
+            "; the walk goes on without a headset until one answers"
+        } else {
+            "; the walk goes on"
+        };
         self.say(awaited.then(|| end.to_string()), &format!("{end}{then}"));
         Ok(true)
     }

@@ -4,11 +4,10 @@
 
 use super::action::Action;
 use super::filling::ScanRequest;
-use super::menu::MenuInput;
-use super::state::{AppState, Snapshot, SpeedFactor};
+use super::menu::{MenuInput, PaintedPanel};
+use super::state::Snapshot;
 use base::task::{Count, Done};
 use render::gpu::Gpu;
-use render::options::Overlay;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
@@ -87,8 +86,8 @@ struct Rest {
     snapshot: Snapshot,
     /// The card that is seen in the headset, on `gpu`.
     card: Option<wgpu::Texture>,
-    /// The menu that is seen in the headset, on `gpu`.
-    menu: Option<wgpu::Texture>,
+    /// The menu or the labels that are seen in the headset, on `gpu`.
+    panel: Option<(PaintedPanel, wgpu::Texture)>,
     /// What hands do to the menu.
     menu_input: MenuInput,
 }
@@ -116,14 +115,12 @@ pub struct PaintEnd {
     shared: Arc<Shared>,
 }
 
-/// Makes the two ends, and the receiver of actions for the frame thread.
+/// Makes the two ends, and the receiver of actions for the frame thread, whose state at start is `snapshot`.
 #[must_use]
-pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
+pub fn link(snapshot: Snapshot) -> (WalkEnd, Receiver<Action>, ViewerEnd) {
     let (row_sender, rows) = sync_channel(512);
     let (actions, action_receiver) = channel();
-    let (load, snapshot) =
-        (LoadState::default(), AppState::new(Overlay::None, SpeedFactor::default()).snapshot());
-    let headset = HeadsetState::default();
+    let (load, headset) = (LoadState::default(), HeadsetState::default());
     let rest = Mutex::new(Rest {
         gpu: None,
         mirror: None,
@@ -133,7 +130,7 @@ pub fn link() -> (WalkEnd, Receiver<Action>, ViewerEnd) {
         notice: None,
         snapshot,
         card: None,
-        menu: None,
+        panel: None,
         menu_input: MenuInput::default(),
     });
     let shared = Arc::new(Shared(rest));
@@ -164,7 +161,7 @@ impl WalkEnd {
         let is_new = !rest.gpu.as_ref().is_some_and(|known| Arc::ptr_eq(known, gpu));
         if is_new {
             (rest.gpu, rest.mirror) = (Some(Arc::clone(gpu)), None);
-            (rest.card, rest.menu) = (None, None);
+            (rest.card, rest.panel) = (None, None);
             rest.headset.device = gpu.name();
         }
         is_new
@@ -202,9 +199,9 @@ impl WalkEnd {
         Some(self.shared.0.try_lock().ok()?.card.clone())
     }
 
-    /// The menu, if it is painted; `None` if it cannot be told without waiting.
-    pub(super) fn try_menu(&self) -> Option<Option<wgpu::Texture>> {
-        Some(self.shared.0.try_lock().ok()?.menu.clone())
+    /// The menu or the labels, if they are painted; `None` if it cannot be told without waiting.
+    pub(super) fn try_panel(&self) -> Option<Option<(PaintedPanel, wgpu::Texture)>> {
+        Some(self.shared.0.try_lock().ok()?.panel.clone())
     }
 
     /// Tells whoever paints the menu what hands do to it; false if somebody would have to be waited for.
@@ -254,9 +251,15 @@ impl PaintEnd {
         self.on(gpu, |rest| rest.card = card);
     }
 
-    /// Has the headset show this menu from now on, if the walk is still on this GPU.
-    pub fn set_menu(&self, gpu: &Arc<Gpu>, menu: Option<wgpu::Texture>) {
-        self.on(gpu, |rest| rest.menu = menu);
+    /// Has the headset show this menu, or these labels, from now on, if the walk is still on this GPU.
+    pub fn set_panel(&self, gpu: &Arc<Gpu>, panel: Option<(PaintedPanel, wgpu::Texture)>) {
+        self.on(gpu, |rest| rest.panel = panel);
+    }
+
+    /// The runtime of the headset that the walk has.
+    #[must_use]
+    pub fn runtime(&self) -> String {
+        self.shared.rest().headset.runtime.clone()
     }
 
     fn on(&self, gpu: &Arc<Gpu>, change: impl FnOnce(&mut Rest)) {
@@ -319,7 +322,7 @@ mod tests {
 
     #[test]
     fn the_frame_thread_waits_for_nobody() {
-        let (walk, _actions, viewer) = link();
+        let (walk, _actions, viewer) = link(Snapshot::sample());
         assert_eq!(walk.try_card(), Some(None));
         let loader = walk.clone();
         let task = Task::new(&CancelToken::default())
@@ -327,7 +330,7 @@ mod tests {
         let reading = task.begin("reading", "points", 4);
         reading.add(1);
         assert_eq!(viewer.load().doing.map(|done| done.fraction()), Some(0.25));
-        let snapshot = Snapshot { overlay: Overlay::Nodes, ..viewer.snapshot() };
+        let snapshot = Snapshot { overlay: render::options::Overlay::Nodes, ..viewer.snapshot() };
         let looking = viewer.shared.rest();
         assert_eq!(walk.try_card(), None);
         assert!(!walk.try_publish(snapshot));

@@ -102,7 +102,7 @@ impl Locomotion {
             gestures: Gestures::new(options.moving_hand.index(), options.turn),
             grab: Grab::default(),
             feet: Feet::default(),
-            vignette: Vignette::default(),
+            vignette: Vignette::new(options.vignette),
             visits: Visits::default(),
             before_model: None,
             guides: Guides::default(),
@@ -185,7 +185,8 @@ impl Locomotion {
             raised_m,
             num_places: self.visits.num(),
             turn: self.gestures.turn(),
-            vignette: self.options.vignette,
+            vignette: self.vignette.strength(),
+            vignette_options: self.vignette.options(),
         }
     }
 
@@ -254,7 +255,7 @@ impl Locomotion {
                 }
             }
             Action::SetTurn(turn) => self.gestures.set_turn(turn),
-            Action::SetVignette(part) => self.options.vignette = part.clamp(0.0, 1.0),
+            Action::SetVignette(part) => self.vignette.set_strength(part),
             Action::ShowModel => self.show_model(),
             Action::LifeSize => self.life_size(),
             Action::SavePlace => self.visits.save(self.standpoint()),
@@ -267,7 +268,10 @@ impl Locomotion {
             }
             // These are the state's, or the walk's.
             Action::Faster(_) | Action::SetSpeed(_) | Action::SetOverlay(_) | Action::NextOverlay => {}
-            Action::ToggleMenu(_) => {}
+            Action::ToggleMenu(_)
+            | Action::ToggleButtons
+            | Action::SetAppearance(_)
+            | Action::SetPreset(_) => {}
             Action::GoToSeen { .. } | Action::LookForHeadset | Action::Open(_) => {}
             Action::Screenshot | Action::Quit => {}
         }
@@ -299,7 +303,7 @@ impl Locomotion {
         self.turn(-intents.turn * self.options.turn_rad_per_s * seconds);
         self.stride(seconds, faster, intents.stride);
         let moved = intents.stride.length().max(intents.turn.abs());
-        self.vignette.advance(moved * f64::from(self.options.vignette), seconds);
+        self.vignette.advance(moved, seconds);
         self.guides.vignette = self.vignette.now() as f32;
         if intents.reset {
             self.apply(Action::Reset);

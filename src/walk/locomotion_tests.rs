@@ -39,7 +39,7 @@ fn with(options: LocomotionOptions, start: Start, floors: FloorsCell) -> Locomot
 }
 
 fn walk() -> Locomotion {
-    with(LocomotionOptions::default(), start(), FloorsCell::default())
+    with(LocomotionOptions::sample(), start(), FloorsCell::default())
 }
 
 /// A room of 20 by 20 meters about the start, whose floor is at its height, with a platform a step and a half high.
@@ -100,7 +100,7 @@ fn eyes_look_where_they_are_seen_to_look_or_ahead() {
 #[test]
 fn units_scale_the_viewer_not_the_scan() {
     let feet = Start { units_per_m: 1.0 / 0.3048, ..start() };
-    let walk = with(LocomotionOptions::default(), feet, FloorsCell::default());
+    let walk = with(LocomotionOptions::sample(), feet, FloorsCell::default());
     let view = seen(&walk, &eyes());
     let gap = view.eyes[1].world_from_view.position.x - view.eyes[0].world_from_view.position.x;
     assert!((gap - 0.06 / 0.3048).abs() < 1e-9 && (view.near - 0.05 / 0.3048).abs() < 1e-9);
@@ -120,7 +120,7 @@ fn the_left_stick_flies_where_the_head_looks() {
 
 #[test]
 fn one_walks_inside_on_the_floor_and_over_steps() {
-    let mut walk = with(LocomotionOptions::default(), inside(), room());
+    let mut walk = with(LocomotionOptions::sample(), inside(), room());
     assert!(walk.stance().is_walking);
     // The head looks down and forward, off the stage's middle.
     let looks_down = Pose { position: DVec3::new(0.4, 1.6, 0.3), orientation: DQuat::from_rotation_x(-0.9) };
@@ -152,7 +152,7 @@ fn the_right_stick_turns_once_a_push_or_smoothly() {
     walk.advance(0.01, 1.0, &push, &Pose::IDENTITY);
     assert!((walk.place.yaw + 60f64.to_radians()).abs() < 1e-12);
     assert_eq!(walk.guides().events, [None, Some(Event::Snap)]);
-    let smooth = LocomotionOptions { turn: Turn::Smooth, ..LocomotionOptions::default() };
+    let smooth = LocomotionOptions { turn: Turn::Smooth, ..LocomotionOptions::sample() };
     let mut walk = with(smooth, start(), FloorsCell::default());
     pass(&mut walk, 1.0, &push, &Pose::IDENTITY);
     assert!((walk.place.yaw + PI / 2.0).abs() < 1e-9, "{}", walk.place.yaw);
@@ -172,7 +172,7 @@ fn the_way_back_leads_the_head_to_the_start_from_anywhere() {
     let stands = walk.standpoint();
     assert!((stands.floor_in_world - UTM).length() < 1e-6 && stands.yaw.abs() < 1e-9);
     let begun = Locomotion::new(
-        LocomotionOptions::default(),
+        LocomotionOptions::sample(),
         start(),
         StartsCell::default(),
         FloorsCell::default(),
@@ -185,7 +185,7 @@ fn the_way_back_leads_the_head_to_the_start_from_anywhere() {
 
 #[test]
 fn a_teleport_takes_the_head_where_the_arc_ended_and_turns_nothing_else() {
-    let mut walk = with(LocomotionOptions::default(), inside(), room());
+    let mut walk = with(LocomotionOptions::sample(), inside(), room());
     let head = head(0.5, 0.2, 0.4);
     let mut aims = stick(1, [0.0, 0.9]);
     let ray = DQuat::from_rotation_y(-0.5) * DQuat::from_rotation_x(-0.3);
@@ -224,7 +224,7 @@ fn a_teleport_takes_the_head_where_the_arc_ended_and_turns_nothing_else() {
 
 #[test]
 fn a_model_is_looked_at_and_entered() {
-    let mut walk = with(LocomotionOptions::default(), inside(), room());
+    let mut walk = with(LocomotionOptions::sample(), inside(), room());
     let head = head(0.3, 0.1, 0.0);
     pass(&mut walk, 0.1, &ControllerInput::default(), &head);
     walk.apply(Action::ShowModel);
@@ -364,7 +364,7 @@ fn looking_up_turns_the_eyes_about_the_head() {
 fn the_same_input_leads_to_the_same_place() {
     let floors = room();
     let went = || {
-        let mut walk = with(LocomotionOptions::default(), inside(), Arc::clone(&floors));
+        let mut walk = with(LocomotionOptions::sample(), inside(), Arc::clone(&floors));
         for frame in 0..300 {
             let angle = f64::from(frame) * 0.05;
             let mut input = stick(0, [angle.sin() as f32, angle.cos() as f32]);
@@ -394,7 +394,7 @@ fn a_short_press_moves_however_slow_the_frames_are() {
 
 #[test]
 fn a_click_on_the_floor_leads_there_to_the_centimeter() {
-    let mut walk = with(LocomotionOptions::default(), inside(), room());
+    let mut walk = with(LocomotionOptions::sample(), inside(), room());
     let view = seen(&walk, &eyes());
     let eye = &view.eyes[0];
     // A place on the floor, five meters ahead and two to the right, by its pixel.
@@ -445,7 +445,7 @@ fn the_scan_is_gone_round_and_looked_down_upon() {
 fn a_landscape_that_is_there_before_the_head_is_known_is_looked_down_at() {
     let start = Start { kind: ScanKind::Landscape, ..start() };
     let (starts, floors) = (StartsCell::default(), FloorsCell::default());
-    let mut walk = Locomotion::new(LocomotionOptions::default(), start, starts, floors, &Pose::IDENTITY);
+    let mut walk = Locomotion::new(LocomotionOptions::sample(), start, starts, floors, &Pose::IDENTITY);
     walk.set_may_pitch(true);
     let head = head_of(&eyes());
     walk.begin_with(&head);

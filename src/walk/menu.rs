@@ -8,13 +8,13 @@ use glam::DVec3;
 use xr::{HandInput, HandJoints, Panel, joint};
 
 /// Width, height of the menu, meters.
-const SIZE_M: [f64; 2] = [0.21, 0.35];
+pub const SIZE_M: [f64; 2] = [0.21, 0.42];
 /// Width, height of the label, meters.
 const LABEL_M: [f64; 2] = [0.18, 0.06];
 /// Height of the label above the hands, meters.
 const LABEL_ABOVE_M: f64 = 0.08;
 /// Height of its middle above the hand that opens it, meters.
-const ABOVE_M: f64 = 0.2;
+const ABOVE_M: f64 = 0.235;
 /// Distance before the head at which it opens when nobody knows where the hand is, meters.
 const BEFORE_M: f64 = 0.5;
 /// Longest ray that points at it, meters.
@@ -23,6 +23,17 @@ const REACH_M: f64 = 3.0;
 const NEAR_M: f64 = 0.05;
 /// A fingertip nearer than this presses, meters.
 const TOUCH_M: f64 = 0.008;
+
+/// What the picture shows that is painted for the headset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PaintedPanel {
+    /// The menu.
+    Menu,
+    /// The label that says how large two hands make the scan.
+    Scale,
+    /// The labels of both controllers' buttons, side by side.
+    Buttons,
+}
 
 /// What hands do to the menu.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -38,7 +49,8 @@ pub struct MenuInput {
 pub(super) struct MenuOfWalk {
     /// Where it stands while it is open.
     stage_from_menu: Option<Pose>,
-    picture: Option<wgpu::Texture>,
+    /// What was painted last.
+    picture: Option<(PaintedPanel, wgpu::Texture)>,
     /// What was last told to whoever paints it.
     told: MenuInput,
     /// The hand that points at it, and the place in the stage.
@@ -58,7 +70,7 @@ impl MenuOfWalk {
         let mut rest = *hands;
         self.pointing = None;
         let Some(hand) = opened_by else {
-            (self.stage_from_menu, self.picture) = (None, None);
+            self.stage_from_menu = None;
             return rest;
         };
         let open = || opening(hands.controllers.hands.get(hand), stage_from_head);
@@ -89,12 +101,23 @@ impl MenuOfWalk {
     /// What is to be shown, once it is painted: the menu, or the label of the scale where `stage_from_label` is; never waits
     /// for whoever paints it.
     pub fn panel(&mut self, link: &WalkEnd, stage_from_label: Option<Pose>) -> Option<Panel> {
-        let menu = self.stage_from_menu.map(|menu| (menu, SIZE_M));
-        let (stage_from_panel, size_m) = menu.or(stage_from_label.map(|label| (label, LABEL_M)))?;
-        if let Some(picture) = link.try_menu() {
+        let menu = self.stage_from_menu.map(|menu| (PaintedPanel::Menu, menu, SIZE_M));
+        let label = stage_from_label.map(|label| (PaintedPanel::Scale, label, LABEL_M));
+        let (kind, stage_from_panel, size_m) = menu.or(label)?;
+        Some(Panel { picture: self.painted(link, kind)?, stage_from_panel, size_m })
+    }
+
+    /// The labels of the controllers' buttons, once they are painted; they are not seen beside the menu.
+    pub fn button_labels(&mut self, link: &WalkEnd) -> Option<wgpu::Texture> {
+        if self.is_open() { None } else { self.painted(link, PaintedPanel::Buttons) }
+    }
+
+    /// The picture of this kind, if it is the one that is painted.
+    fn painted(&mut self, link: &WalkEnd, kind: PaintedPanel) -> Option<wgpu::Texture> {
+        if let Some(picture) = link.try_panel() {
             self.picture = picture;
         }
-        Some(Panel { picture: self.picture.clone()?, stage_from_panel, size_m })
+        self.picture.as_ref().filter(|(painted, _)| *painted == kind).map(|(_, picture)| picture.clone())
     }
 }
 
@@ -111,7 +134,12 @@ fn opening(hand: Option<&HandInput>, stage_from_head: &Pose) -> Pose {
 pub(super) fn label(hands: &SeenHands, stage_from_head: &Pose) -> Option<Pose> {
     let [left, right] = hands.controllers.hands.map(|hand| hand.stage_from_grip.or(hand.stage_from_aim));
     let middle = 0.5 * (left?.position + right?.position) + LABEL_ABOVE_M * DVec3::Y;
-    Some(facing(middle, stage_from_head.position, stage_from_head.orientation * DVec3::NEG_Z))
+    Some(label_pose(middle, stage_from_head))
+}
+
+/// The pose of a label at `position`, which faces the head.
+pub(super) fn label_pose(position: DVec3, stage_from_head: &Pose) -> Pose {
+    facing(position, stage_from_head.position, stage_from_head.orientation * DVec3::NEG_Z)
 }
 
 /// A pose at `position`, upright and facing the head, which looks `ahead`.
@@ -222,7 +250,7 @@ mod tests {
 
     #[test]
     fn the_hand_that_points_at_it_does_nothing_else() {
-        let (walk, _actions, viewer) = link::link();
+        let (walk, _actions, viewer) = link::link(crate::walk::state::Snapshot::sample());
         let mut menu = MenuOfWalk::default();
         let mut hands = SeenHands::default();
         hands.controllers.hands = [at(DVec3::new(-0.2, 1.2, -0.3)), at(DVec3::new(0.3, 1.2, -0.1))];

@@ -3,6 +3,7 @@
 
 use super::link::{MirrorImages, WalkEnd};
 use render::gpu::Gpu;
+use render::gpu::stage::ShaderError;
 use render::options::Overlay;
 use render::{Overlays, Renderer};
 
@@ -25,8 +26,11 @@ struct Copies {
 
 impl Mirror {
     /// A mirror of the images that `renderer` draws.
-    pub fn new(renderer: &Renderer) -> Self {
-        Self { overlays: Overlays::new(renderer), copies: None, shown: None }
+    ///
+    /// # Errors
+    /// If a shader of the overlays cannot be used.
+    pub fn new(renderer: &Renderer) -> Result<Self, ShaderError> {
+        Ok(Self { overlays: Overlays::new(renderer)?, copies: None, shown: None })
     }
 
     /// The images that the window shows, once there is a frame.

@@ -4,6 +4,8 @@
 //! headset stands behind [`xr::Headset`].
 
 pub mod action;
+pub mod appearance;
+pub mod buttons;
 pub mod filling;
 mod frames;
 pub mod governor;

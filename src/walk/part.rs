@@ -20,9 +20,7 @@ pub(super) fn part(scene: &Scene, least: f64) -> Cow<'_, Scene> {
     while is_thin(&part) && part.bounds.edge() > 2.0 * least {
         let Some(middle) = middle(&part) else { break };
         let reach = 0.25 * part.bounds.size().truncate().max_element();
-        let is_near = |p: &&DVec3| (**p - middle).truncate().abs().max_element() <= reach;
-        let samples: Vec<DVec3> = part.samples.iter().filter(is_near).copied().collect();
-        part = Cow::Owned(Scene { bounds: Bounds::around(&samples), samples });
+        part = Cow::Owned(part.part(|p| (*p - middle).truncate().abs().max_element() <= reach));
     }
     part
 }

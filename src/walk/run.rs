@@ -1,19 +1,21 @@
 //! The frame thread's loop.
 
 use super::action::Action;
+use super::appearance::{Appearance, PresetOptions, QualityPreset};
 use super::frames::{Frames, Step};
 use super::governor::GovernorOptions;
 use super::headsets::{CannotGoOn, Headsets};
 use super::link::WalkEnd;
 use super::locomotion::LocomotionOptions;
-use super::state::SpeedFactor;
+use super::state::{AppState, SpeedFactor};
 use super::walker::Walker;
 use crate::draw::{CannotDraw, DrawPlan};
 use base::space::View;
 use base::task::CancelToken;
-use render::TargetTooLarge;
+use render::gpu::GpuLost;
 use render::options::Overlay;
 use render::scenery::Surround;
+use render::{DrawOptions, RendererError};
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
@@ -32,8 +34,26 @@ pub struct WalkOptions {
     pub overlay: Overlay,
     /// How fast the user moves at start, and may move.
     pub speed: SpeedFactor,
-    /// What is seen where the scan has nothing; `None`: the background of the draw options.
-    pub surround: Option<Surround>,
+    /// True if the controllers' buttons are labeled at first.
+    pub labels: bool,
+    /// What is seen where the scan has nothing.
+    pub surround: Surround,
+    /// False: the background of the draw options is seen there at start.
+    pub shows_surround: bool,
+    /// What [`QualityPreset::ALL`] come to.
+    pub presets: [PresetOptions; QualityPreset::ALL.len()],
+}
+
+impl WalkOptions {
+    /// The application's state at start, where frames are to look like this.
+    #[must_use]
+    pub fn state_at_start(&self, draw: DrawOptions) -> AppState {
+        let &Self { governor, surround, shows_surround, .. } = self;
+        let appearance = Appearance { draw, governor, surround, shows_surround };
+        AppState::new(self.overlay, self.speed, appearance)
+            .with_presets(self.presets)
+            .labeling(self.locomotion.moving_hand, self.labels)
+    }
 }
 
 /// What the loop needs besides headsets.
@@ -69,9 +89,9 @@ pub enum WalkError {
     /// The settings ask for what the GPU does not have.
     #[error(transparent)]
     Draw(#[from] CannotDraw),
-    /// The headset's images are too large for the GPU.
+    /// The headset's images are too large for the GPU, or what is to be drawn is not to be had.
     #[error(transparent)]
-    Target(#[from] TargetTooLarge),
+    Renderer(#[from] RendererError),
     /// The headset that is required, or the GPU, is gone.
     #[error(transparent)]
     Headset(#[from] CannotGoOn),
@@ -116,13 +136,15 @@ impl Walk {
             walker.await_scan(loaded);
         }
         let (gpu, headset) = headsets.current();
-        let mut frames = match Frames::new(self, walker, &gpu, headset) {
-            Ok(frames) => frames,
+        let opened = gpu.unless_lost(|| Frames::new(self, walker, &gpu, headset));
+        let mut frames = match opened {
+            Ok(Ok(frames)) => frames,
+            Err(GpuLost(reason)) => return Ok(Some(End::DeviceLost(reason))),
             // A walk that has gone well without this headset goes on without it.
-            Err(error) if walker.rows.frame > 0 && !headset.is_simulated() => {
+            Ok(Err(error)) if walker.rows.frame > 0 && !headset.is_simulated() => {
                 return Ok(Some(End::Unusable(error.to_string())));
             }
-            Err(error) => return Err(error),
+            Ok(Err(error)) => return Err(error),
         };
         let mut exit_requested = false;
         let end = loop {
@@ -151,8 +173,12 @@ impl Walk {
             if walker.state.overlay != overlay {
                 frames.overlay_changed();
             }
-            if let Step::Ended(end) = frames.step(self, walker, headsets.current().1)? {
-                break Some(end);
+            match gpu.unless_lost(|| frames.step(self, walker, headsets.current().1)) {
+                Ok(step) => match step? {
+                    Step::Ended(end) => break Some(end),
+                    Step::Went => {}
+                },
+                Err(GpuLost(reason)) => break Some(End::DeviceLost(reason)),
             }
         };
         frames.close(self, walker);

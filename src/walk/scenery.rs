@@ -3,7 +3,7 @@
 
 use super::link::WalkEnd;
 use super::locomotion::{Locomotion, head_of};
-use super::{marks, shapes_of_hands};
+use super::{buttons, marks, shapes_of_hands};
 use base::space::{Eye, Pose};
 use glam::DVec3;
 use render::Renderer;
@@ -38,6 +38,8 @@ pub(super) struct Stand<'a> {
     pub hands: &'a SeenHands,
     /// The menu, if it is to be drawn.
     pub menu: Option<&'a Panel>,
+    /// The labels of the controllers' buttons, if they are seen.
+    pub buttons: Option<&'a wgpu::Texture>,
     /// The hand that points at the menu, and where in the stage.
     pub pointing: Option<(usize, DVec3)>,
 }
@@ -51,13 +53,26 @@ pub(super) struct SeenHands {
     pub joints: [Option<HandJoints>; 2],
 }
 
+/// What the picture of the card shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum ShownCard {
+    /// What goes on while there is no scan.
+    #[default]
+    Loading,
+    /// The menu, or the label of the scale.
+    Menu,
+    /// The labels of the controllers' buttons.
+    Buttons,
+}
+
 /// The scenery, from one frame to the next.
 #[derive(Debug, Default)]
 pub(super) struct SceneryOfWalk {
     shapes: Shapes,
-    /// The picture that the renderer has: the card's, or the menu's.
+    /// The picture that the renderer has.
     card: Option<wgpu::Texture>,
-    is_menu: bool,
+    /// What it shows.
+    shown: ShownCard,
     /// Chosen when the card is first shown, so that it stands still.
     stage_from_card: Option<Pose>,
 }
@@ -76,9 +91,15 @@ impl SceneryOfWalk {
             lay_pointer(&mut self.shapes, &stand.hands.controllers.hands[hand], to, head);
         }
         // A scan is not hidden behind a card, though some of it may be still to come.
-        match stand.menu {
-            Some(menu) if self.is_menu => self.shapes.card(&menu.stage_from_panel, menu.size_m),
-            None if stand.locomotion.is_none() && !self.is_menu => self.lay_card(&stage_from_head),
+        match (self.shown, stand.menu) {
+            (ShownCard::Menu, Some(menu)) => self.shapes.card(&menu.stage_from_panel, menu.size_m),
+            (ShownCard::Buttons, None) if stand.buttons.is_some() => {
+                let labels = buttons::poses(stand.hands, &stage_from_head);
+                for (pose, part) in labels.iter().zip([[0.0, 0.5], [0.5, 1.0]]) {
+                    pose.iter().for_each(|pose| self.shapes.card_part(pose, [buttons::EDGE_M; 2], part));
+                }
+            }
+            (ShownCard::Loading, None) if stand.locomotion.is_none() => self.lay_card(&stage_from_head),
             _ => {}
         }
         let eyes = [0, 1].map(|eye: usize| Eye {
@@ -96,13 +117,14 @@ impl SceneryOfWalk {
         };
         renderer.set_scenery(queue, &view, &self.shapes);
         // Another picture is seen from the next frame on: this one's commands are recorded.
-        let wanted = match stand.menu {
-            Some(menu) => Some(Some(menu.picture.clone())),
-            None => link.try_card(),
+        let (shown, wanted) = match (stand.menu, stand.buttons) {
+            (Some(menu), _) => (ShownCard::Menu, Some(Some(menu.picture.clone()))),
+            (None, Some(labels)) => (ShownCard::Buttons, Some(Some(labels.clone()))),
+            (None, None) => (ShownCard::Loading, link.try_card()),
         };
         if let Some(card) = wanted.filter(|card| *card != self.card) {
             renderer.set_card(card.as_ref());
-            (self.card, self.is_menu) = (card, stand.menu.is_some());
+            (self.card, self.shown) = (card, shown);
         }
     }
 

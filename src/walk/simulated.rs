@@ -10,6 +10,9 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use xr::{ControllerInput, End, EyeImages, FrameState, Headset, StageEye};
 
+/// What stands in for the name of a runtime.
+pub const SIMULATED: &str = "simulated";
+
 /// Frames under way on the GPU before the next must wait, as a runtime's compositor would make it.
 const MAX_IN_FLIGHT: usize = 2;
 /// Format of the images: the one that most runtimes offer first.
@@ -85,7 +88,7 @@ impl SimulatedHeadset {
 
 impl Headset for SimulatedHeadset {
     fn runtime(&self) -> String {
-        "simulated".to_string()
+        SIMULATED.to_string()
     }
 
     fn eye_sizes(&self) -> [[u32; 2]; 2] {
@@ -111,7 +114,7 @@ impl Headset for SimulatedHeadset {
         while self.in_flight.len() >= MAX_IN_FLIGHT {
             let submission_index = self.in_flight.pop_front();
             let wait = wgpu::PollType::Wait { submission_index, timeout: None };
-            if let Err(error) = self.gpu.device.poll(wait) {
+            if let Err(error) = self.gpu.poll(wait) {
                 return FrameState::Ended(End::DeviceLost(error.to_string()));
             }
         }

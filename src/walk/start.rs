@@ -14,6 +14,9 @@ use std::sync::{Arc, OnceLock};
 /// Least spread of a landscape in meters, which is twice the width of the middle half of its points along the longer
 /// axis.
 const LANDSCAPE_M: f64 = 300.0;
+/// Least spread in meters, and most points a square meter seen from above, of a scan that was made from the air: on the
+/// ground one would stand among points that are a foot and more apart.
+const FROM_THE_AIR: (f64, f64) = (50.0, 16.0);
 /// Least length that a long thin scene is cut to, meters, to be looked at.
 const PART_M: f64 = 40.0;
 /// Least length that a long thin scene is cut to, meters, to find a place in it.
@@ -22,6 +25,8 @@ const NEAR_PART_M: f64 = 20.0;
 const SMALL_M: f64 = 0.1;
 /// Length in meters at which an object no longer than [`SMALL_M`] is shown.
 const SHOWN_M: f64 = 1.0;
+/// Height of an eye above the floor where no headset tells it, meters.
+pub const EYE_HEIGHT_M: f64 = 1.7;
 /// Rough height of the eye above the floor, meters.
 const EYE_M: f64 = 1.6;
 /// Least distance at which one stands before an object, meters.
@@ -94,7 +99,7 @@ fn told(scene: &Scene, units_per_m: f64) -> (ScanKind, Option<Beginning>) {
         return (ScanKind::Interior, Some(inside));
     }
     let near = part(scene, NEAR_PART_M * units_per_m);
-    if spread(&near) / units_per_m > LANDSCAPE_M {
+    if spread(&near) / units_per_m > LANDSCAPE_M || is_from_the_air(&near, units_per_m) {
         return (ScanKind::Landscape, edge_of_part(scene, &near, units_per_m));
     }
     match standing(&near, units_per_m, None) {
@@ -150,7 +155,7 @@ fn edge_of_part(scene: &Scene, near: &Scene, units_per_m: f64) -> Option<Beginni
 fn above_the_edge(bounds: &Bounds, extent: f64, units_per_m: f64) -> DVec3 {
     let center = bounds.center();
     let back = 0.9 * extent + bounds.size().z;
-    DVec3::new(center.x, center.y - back, center.z + 0.15 * back - 1.7 * units_per_m)
+    DVec3::new(center.x, center.y - back, center.z + 0.15 * back - EYE_HEIGHT_M * units_per_m)
 }
 
 /// The standpoint south of an object, so far away that it is seen whole. The eye is at the object's middle if it is small,
@@ -175,6 +180,14 @@ fn before(scene: &Scene, units_per_m: f64) -> Beginning {
 fn spread(scene: &Scene) -> f64 {
     let width = |axis| scene.quarters(axis).map_or(0.0, |[low, _, high]| high - low);
     2.0 * width(0).max(width(1))
+}
+
+/// True if the scene is wide and so thinly covered as only scanners in the air cover it.
+fn is_from_the_air(scene: &Scene, units_per_m: f64) -> bool {
+    let (least_spread_m, most_per_m2) = FROM_THE_AIR;
+    let size_m = scene.bounds.size() / units_per_m;
+    let per_m2 = scene.num_points as f64 / (size_m.x * size_m.y);
+    spread(scene) / units_per_m > least_spread_m && per_m2 < most_per_m2
 }
 
 /// The yaw of somebody who looks to where most of a scene is, north if that is where they stand; see [`Start::yaw`].

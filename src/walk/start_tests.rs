@@ -14,7 +14,8 @@ fn square(num: usize) -> impl Iterator<Item = [f64; 2]> {
 
 fn scene(origin: DVec3, points: impl IntoIterator<Item = DVec3>) -> Scene {
     let samples: Vec<DVec3> = points.into_iter().map(|p| origin + p).collect();
-    Scene { bounds: Bounds::around(&samples), samples }
+    // As dense as a scanner on the ground makes it.
+    Scene { num_points: 1000 * samples.len() as u64, ..Scene::around(samples) }
 }
 
 /// A floor of `x` by `y`, its middle at zero.
@@ -60,7 +61,7 @@ const HEADSET: SimulatedOptions = SimulatedOptions {
 /// Part of the scene that both eyes of the simulated headset see at the start.
 fn seen(scene: &Scene, start: Start) -> f64 {
     let eyes = SimulatedHeadset::eyes(&HEADSET);
-    let (options, head) = (LocomotionOptions::default(), head_of(&eyes));
+    let (options, head) = (LocomotionOptions::sample(), head_of(&eyes));
     let mut walk = Locomotion::new(options, start, StartsCell::default(), FloorsCell::default(), &head);
     walk.set_may_pitch(true);
     let view = walk.stage().view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
@@ -99,6 +100,20 @@ fn an_object_is_seen_whole_from_outside() {
     let lid = floor(20.0, 12.0).into_iter().map(|p| p + DVec3::Z * 8.0);
     let block = scene(UTM, walls(20.0, 12.0, 8.0).into_iter().chain(lid));
     assert!(begin(&block, 1.0).standpoint.floor_in_world.y < block.bounds.min.y);
+}
+
+/// A wood of 200 m by 200: it is walked through if a scanner stood in it, and looked down at if one flew over it.
+#[test]
+fn what_was_scanned_from_the_air_is_seen_from_above() {
+    let trees = square(12_000).map(|[u, v]| DVec3::new(u - 0.5, v - 0.5, 0.0) * 200.0);
+    let trees = trees.enumerate().map(|(i, p)| p.with_z(20.0 * (i as f64 * 0.618).fract()));
+    let wood = scene(UTM, floor(200.0, 200.0).into_iter().chain(trees));
+    let kind = |per_m2: u64| begin(&Scene { num_points: 40_000 * per_m2, ..wood.clone() }, 1.0).kind;
+    assert_eq!(kind(10), ScanKind::Landscape);
+    assert_ne!(kind(1000), ScanKind::Landscape);
+    // A small thing with few points is no landscape.
+    let egg = Scene { num_points: 10, ..scene(UTM, egg(2.0, 3.0)) };
+    assert_eq!(begin(&egg, 1.0).kind, ScanKind::Object);
 }
 
 #[test]
@@ -194,7 +209,7 @@ fn a_landscape_is_a_model_on_a_table_and_is_come_down_to() {
     assert!(seen(&scene, start) > 0.97, "{}", seen(&scene, start));
     let head = head_of(&SimulatedHeadset::eyes(&HEADSET));
     let (starts, floors) = (StartsCell::default(), FloorsCell::default());
-    let mut walk = Locomotion::new(LocomotionOptions::default(), start, starts, floors, &head);
+    let mut walk = Locomotion::new(LocomotionOptions::sample(), start, starts, floors, &head);
     let width_m = scene.bounds.size().x / walk.stage().units_per_m();
     assert!((width_m - 2.0).abs() < 1e-9, "{width_m}");
     // Without floors to point at one comes down to where the whole is seen from.
@@ -223,7 +238,7 @@ fn the_user_may_take_a_scan_for_another_kind() {
         assert_eq!(same.standpoint, told.standpoint);
         let (cell, floors) = (StartsCell::default(), FloorsCell::default());
         let head = head_of(&SimulatedHeadset::eyes(&HEADSET));
-        let options = LocomotionOptions::default();
+        let options = LocomotionOptions::sample();
         let mut walk = Locomotion::new(options, told, Arc::clone(&cell), floors, &head);
         let before = *walk.stage();
         walk.apply(Action::TakeFor(ScanKind::Landscape));

@@ -40,7 +40,7 @@ pub(super) struct Walker {
 impl Walker {
     pub fn new(walk: &Walk) -> Self {
         Self {
-            state: AppState::new(walk.options.overlay, walk.options.speed),
+            state: walk.options.state_at_start(walk.draw.options),
             published: None,
             screenshots: Screenshots::default(),
             rows: PendingRows::new(),
@@ -76,8 +76,8 @@ impl Walker {
         (self.state.locomotion, self.last_view) = (None, None);
     }
 
-    /// Takes the scan if it has become ready, or another form of it; true if there is one. The viewer stays where they
-    /// are if they have been in it before.
+    /// Takes the scan if it has become ready; true if it has. The viewer stays where they are if they have been in it
+    /// before.
     pub fn take_loaded(&mut self, walk: &Walk) -> bool {
         let mut has_come = false;
         while let Some(loaded) = &self.loaded {

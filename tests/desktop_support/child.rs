@@ -1,20 +1,18 @@
 //! The window's program as a child process, its lines, and the validation layer that watches it.
 
 use kit::picture::{Picture, Rgb};
+use kit::program::{Program, command, this_program};
 use kit::screen::Screen;
-use kit::wait::{retry, wait_for};
-use std::io::{BufRead, BufReader};
+use kit::wait::{LONGEST_S, retry, wait_for};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
-use std::sync::{Arc, Mutex};
+use std::process::Command;
 
 /// The environment variable that makes this test program the window's program, and says its role.
 pub const ROLE: &str = "SCANWALK_DESKTOP_TEST_ROLE";
 
 /// A running child, which is killed when dropped.
 pub struct ChildWindow<'a> {
-    process: Child,
-    lines: Arc<Mutex<Vec<String>>>,
+    program: Program,
     screen: Option<&'a Screen>,
     /// X11's number of the window.
     pub id: String,
@@ -62,33 +60,26 @@ impl Validation {
 /// Starts the child in `role`, on `screen` or on none.
 fn spawn<'a>(role: &str, screen: Option<&'a Screen>) -> ChildWindow<'a> {
     let validation = Validation::new();
-    let mut command = Command::new(std::env::current_exe().unwrap());
-    command.env(ROLE, role).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("DISPLAY");
+    let mut command = command(this_program());
+    command.env(ROLE, role);
     if let Some(screen) = screen {
         command.env("DISPLAY", &screen.display);
     }
     validation.watch(&mut command);
-    let mut process = command.stdout(Stdio::piped()).spawn().unwrap();
-    let lines = Arc::new(Mutex::new(Vec::new()));
-    let output = BufReader::new(process.stdout.take().unwrap());
-    std::thread::spawn({
-        let lines = Arc::clone(&lines);
-        move || output.lines().map_while(Result::ok).for_each(|line| lines.lock().unwrap().push(line))
-    });
-    ChildWindow { process, lines, screen, id: String::new(), validation }
+    ChildWindow { program: Program::start(&mut command), screen, id: String::new(), validation }
 }
 
 impl<'a> ChildWindow<'a> {
     /// Opens the window on `screen`, waits until it is drawn, gives it the keyboard.
     pub fn open(role: &str, screen: &'a Screen) -> Self {
         let mut window = spawn(role, Some(screen));
-        window.id = wait_for("the window", 60.0, || {
+        window.id = wait_for("the window", || {
             if let Some(ended) = window.ended() {
                 panic!("the window's program {ended}");
             }
             screen.try_xdotool(&["search", "--onlyvisible", "--name", "^hall.laz "])
         });
-        wait_for("a first picture", 60.0, || {
+        wait_for("a first picture", || {
             let picture = window.picture();
             (picture.pixels.iter().any(|p| *p != picture.pixels[0])).then_some(())
         });
@@ -109,6 +100,11 @@ impl<'a> ChildWindow<'a> {
         self.screen().xdotool(arguments);
     }
 
+    /// Lets the event of the child's role happen.
+    pub fn cue(&self) {
+        self.xdotool(&["key", "Home"]);
+    }
+
     pub fn ask_to_close(&self) {
         self.screen().ask_to_close(&self.id);
     }
@@ -119,13 +115,13 @@ impl<'a> ChildWindow<'a> {
 
     /// Commands that the stand-in has printed so far.
     pub fn commands(&self) -> Vec<String> {
-        let lines = self.lines.lock().unwrap();
-        lines.iter().filter_map(|line| line.strip_prefix("command ").map(str::to_string)).collect()
+        let printed = self.program.printed();
+        printed.lines().filter_map(|line| line.strip_prefix("command ")).map(str::to_owned).collect()
     }
 
     /// Waits for a command that comes after the first `already` commands.
     pub fn wait_command(&self, wanted: &str, already: usize) {
-        wait_for(wanted, 10.0, || {
+        wait_for(wanted, || {
             let commands = self.commands();
             commands[already.min(commands.len())..].iter().any(|c| c == wanted).then_some(())
         });
@@ -133,7 +129,7 @@ impl<'a> ChildWindow<'a> {
 
     /// Waits until a pixel has its color.
     pub fn wait_pixel(&self, x: usize, y: usize, wanted: Rgb) {
-        let seen = retry(15.0, || {
+        let seen = retry(LONGEST_S, || {
             let picture = self.picture();
             let is_inside = x < picture.width && y < picture.height;
             match is_inside.then(|| picture.at(x, y)) {
@@ -148,21 +144,13 @@ impl<'a> ChildWindow<'a> {
     }
 
     fn ended(&self) -> Option<String> {
-        self.lines.lock().unwrap().iter().find(|line| line.starts_with("ended")).cloned()
+        self.program.printed().lines().find(|line| line.starts_with("ended")).map(str::to_owned)
     }
 
     /// Waits until the program has ended; returns its last line and what the validation layer wrote.
-    pub fn wait_end(mut self) -> (String, String) {
-        let status = wait_for("the end of the window's program", 30.0, || self.process.try_wait().unwrap());
-        let line = wait_for("its last line", 5.0, || self.ended());
-        assert!(status.success(), "{status}, {line}");
-        (line, self.validation.log())
-    }
-}
-
-impl Drop for ChildWindow<'_> {
-    fn drop(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+    pub fn wait_end(self) -> (String, String) {
+        let output = self.program.end().ok();
+        let line = output.text().lines().find(|line| line.starts_with("ended")).expect("its last line");
+        (line.to_owned(), self.validation.log())
     }
 }

@@ -5,15 +5,14 @@ use super::fault;
 use base::task::{CancelToken, Task};
 use points::ReadOptions;
 use render::gpu::Gpu;
-use render::options::Overlay;
 use scanwalk::desktop::{Display, WindowOptions};
 use scanwalk::resolve::Plan;
+use scanwalk::walk::action::Action;
 use scanwalk::walk::filling::ScanRequest;
 use scanwalk::walk::link::{self, MirrorImages, WalkEnd};
-use scanwalk::walk::state::{AppState, SpeedFactor};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use timing::{CallTimes, FrameRow, Phase};
+use timing::FrameRow;
 
 /// Pixels of an eye's image.
 pub const EYE_PX: [u32; 2] = [480, 540];
@@ -23,6 +22,9 @@ pub const QUARTERS: [[[u8; 3]; 4]; 2] = [
     [[200, 30, 40], [20, 180, 60], [30, 60, 210], [127, 128, 129]],
     [[1, 2, 3], [250, 251, 252], [200, 100, 0], [0, 100, 200]],
 ];
+
+/// What a test sends when the event of its child's role is to happen: the window has been seen by then.
+const CUE: Action = Action::WholeView;
 
 /// Time between two frames of the stand-in.
 const PERIOD: Duration = Duration::from_micros(33_333);
@@ -37,9 +39,10 @@ pub fn play(role: &str) {
         fault::write_twice_without_a_barrier(&gpu);
         return println!("ended well");
     }
-    let (walk, actions, viewer) = link::link();
+    let mut state = Plan::default().state_at_start();
+    let (walk, actions, viewer) = link::link(state.snapshot());
     walk.set_gpu(&gpu);
-    let scan = ScanRequest { files: vec!["hall.laz".into()], read: ReadOptions::default(), kind: None };
+    let scan = ScanRequest { files: vec!["hall.laz".into()], read: ReadOptions::AS_FILES_SAY, kind: None };
     walk.update_load(|load| load.scan = Some(Arc::new(scan)));
     walk.update_headset(|headset| headset.runtime = "simulated".into());
     let stop = CancelToken::default();
@@ -47,26 +50,27 @@ pub fn play(role: &str) {
         let (mut gpu, stop, role) = (Arc::clone(&gpu), stop.clone(), role.to_string());
         move || {
             let begin = Instant::now();
-            let mut state = AppState::new(Overlay::None, SpeedFactor::default());
             prepare(&role, &walk);
             let mut images = (role != "broken" && role != "loading").then(|| images_on(&gpu));
             if let Some(images) = &images {
                 walk.set_mirror(images.clone());
             }
             for frame in 0.. {
+                let mut is_cued = false;
                 for action in actions.try_iter() {
                     println!("command {action:?}");
+                    is_cued |= action == CUE;
                     state.apply(action);
                 }
                 // What the window keeps from being published is published with the next frame.
                 let _ = walk.try_publish(state.snapshot());
-                if stop.is_cancelled() || (role == "vanish" && frame == 45) {
+                if stop.is_cancelled() || (role == "vanish" && is_cued) {
                     return;
                 }
-                if role == "stop" && frame == 45 {
+                if role == "stop" && is_cued {
                     stop.cancel();
                 }
-                if role == "another" && frame == 45 {
+                if role == "another" && is_cued {
                     // The walk has lost its GPU, and gets another.
                     gpu.device.destroy();
                     gpu = Arc::new(Gpu::open(None).expect("a GPU again"));
@@ -84,7 +88,7 @@ pub fn play(role: &str) {
             }
         }
     });
-    let options = WindowOptions { size: [960, 640], ..Plan::default().window };
+    let options = WindowOptions { size: [960, 640], recent: false, ..Plan::default().window };
     let outcome = Display::open(&stop).and_then(|display| display.run(viewer, options, stop.clone()));
     // An error of the window ends the stand-in too.
     let stopped = stop.is_cancelled();
@@ -164,26 +168,10 @@ fn row(frame: u64, time_s: f64) -> FrameRow {
     FrameRow {
         frame,
         time_s,
-        predicted_display_ns: 0,
-        wait_ms: 2.1,
-        record_ms: 0.34,
-        submit_ms: 0.12,
         stage_ms,
         gpu_ms: stage_ms.iter().sum::<f32>() + 0.05,
-        budget_ms: 11.11,
         missed_periods: u32::from(late),
         visible_nodes: 1210 + frame as u32 % 7,
-        points_read: 12_391_020,
-        points_resident: 52_391_020,
-        lod_scale: 1.0,
-        resolution_scale: 1.0,
-        quality: "closest",
-        upload_bytes: 0,
-        world_from_head: None,
-        phase: Phase::Walking,
-        visible_batches: 900,
-        calls: CallTimes::default(),
-        session: "simulated",
-        place: None,
+        ..FrameRow::sample()
     }
 }

@@ -2,23 +2,21 @@
 //! those that were written.
 
 use base::task::Progress;
-use kit::las_files::save;
+use kit::las_files::{las_bytes, save};
 use las::point::{Classification, Format, ScanDirection};
 use las::raw::point::Waveform as LasWaveform;
-use las::{Builder, Color, Point, Reader, Vlr, Writer};
+use las::{Builder, Color, Point, Reader, Vlr};
 use points::{Attribute, Block, Column, Field, Marks, Projection, Type, Waveform, open};
-use std::collections::BTreeSet;
-use std::io::Cursor;
 use std::path::Path;
 
-const NUM_POINTS: usize = 70_001;
+pub const NUM_POINTS: usize = 70_001;
 
 /// Returns irregular numbers of this many bits: a multiplicative hash.
 fn part(number: usize, salt: u64, bits: u32) -> u64 {
     (number as u64 * 31 + salt + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - bits)
 }
 
-fn point(number: usize, format: &Format) -> Point {
+pub fn point(number: usize, format: &Format) -> Point {
     let is = |salt| part(number, salt, 3) == 0;
     let bits = |salt, in_old: u32, in_new: u32| {
         part(number, salt, if format.is_extended { in_new } else { in_old }) as u8
@@ -110,7 +108,7 @@ fn described() -> Vec<u8> {
     EXTRA.iter().flat_map(entry).collect()
 }
 
-fn las(point_format: u8, compressed: bool, has_extra: bool) -> Vec<u8> {
+pub fn las(point_format: u8, compressed: bool, has_extra: bool) -> Vec<u8> {
     let mut format = Format::new(point_format).unwrap();
     format.is_compressed = compressed;
     format.extra_bytes = if has_extra { NUM_EXTRA_BYTES } else { 0 };
@@ -120,14 +118,11 @@ fn las(point_format: u8, compressed: bool, has_extra: bool) -> Vec<u8> {
         let (user_id, description) = ("LASF_Spec".to_owned(), String::new());
         builder.vlrs.push(Vlr { user_id, record_id: 4, description, data: described() });
     }
-    let mut writer = Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
-    (0..NUM_POINTS).for_each(|number| writer.write_point(point(number, &format)).unwrap());
-    writer.close().unwrap();
-    writer.into_inner().unwrap().into_inner()
+    las_bytes(builder, (0..NUM_POINTS).map(|number| point(number, &format)))
 }
 
 /// Reads all of a file into one block, with these attributes.
-fn read(path: &Path, want: &Projection) -> (Block, usize) {
+pub fn read(path: &Path, want: &Projection) -> (Block, usize) {
     let (mut whole, mut num_blocks): (Option<Block>, usize) = (None, 0);
     let mut take = |block: Block| {
         num_blocks += 1;
@@ -167,14 +162,14 @@ fn append(whole: &mut Block, block: Block) {
 }
 
 /// Returns all attributes of a file.
-fn everything(path: &Path) -> (Vec<Field>, Projection) {
-    let fields = open(path).unwrap().schema().fields.clone();
-    let want = Projection::of(fields.iter().map(|field| field.attribute.clone()));
-    (fields, want)
+pub fn everything(path: &Path) -> (Vec<Field>, Projection) {
+    let schema = open(path).unwrap().header().schema.clone();
+    let want = schema.projection();
+    (schema.fields, want)
 }
 
 /// A standard attribute as the las crate has it, made a column; `None` if the points lack it.
-fn by_las(points: &[Point], attribute: &Attribute, is_extended: bool) -> Option<Column> {
+pub fn by_las(points: &[Point], attribute: &Attribute, is_extended: bool) -> Option<Column> {
     use Attribute as A;
     let flags = |is: &dyn Fn(&Point) -> bool| {
         let mut marks = Marks::default();
@@ -224,7 +219,7 @@ fn by_las(points: &[Point], attribute: &Attribute, is_extended: bool) -> Option<
 }
 
 /// An attribute of extra bytes, from the bytes that the las crate hands out.
-fn by_bytes(points: &[Point], name: &str) -> Option<Column> {
+pub fn by_bytes(points: &[Point], name: &str) -> Option<Column> {
     fn numbers<const N: usize, T>(points: &[Point], at: usize, number: fn([u8; N]) -> T) -> Vec<T> {
         let bytes = |point: &Point| *point.extra_bytes[at..].first_chunk().unwrap();
         points.iter().map(|point| number(bytes(point))).collect()
@@ -318,14 +313,14 @@ fn a_changed_bit_is_a_difference() {
 #[test]
 fn scale_offset_and_no_data_are_those_of_the_file() {
     let (_folder, path) = save("scan.laz", &las(6, true, true));
-    let dataset = open(&path).unwrap();
-    let amplitude = dataset.schema().field(&Attribute::Named("amplitude".into())).unwrap();
+    let schema = &open(&path).unwrap().header().clone().schema;
+    let amplitude = schema.field(&Attribute::Named("amplitude".into())).unwrap();
     assert_eq!((amplitude.scale, amplitude.offset, amplitude.no_data), (0.25, -40.0, Some(65535.0)));
-    let angle = dataset.schema().field(&Attribute::ScanAngle).unwrap();
+    let angle = schema.field(&Attribute::ScanAngle).unwrap();
     assert_eq!((angle.kind, angle.scale, angle.no_data), (Type::I16, 0.006, None));
-    assert_eq!(dataset.schema().field(&Attribute::Named("unknown".into())), None);
-    let names: BTreeSet<&str> = dataset.header().attributes.iter().map(String::as_str).collect();
-    assert!(names.contains("extra:unknown") && names.contains("extra:amplitude"), "{names:?}");
+    assert_eq!(schema.field(&Attribute::Named("unknown".into())), None);
+    assert!(schema.names().contains(&"extra:amplitude".into()), "{:?}", schema.names());
+    assert_eq!(schema.unread, ["unknown"]);
 }
 
 #[test]

@@ -16,7 +16,7 @@ pub fn tower() -> impl Iterator<Item = DVec3> {
 
 /// Reads bytes as a file of this name.
 pub fn read_bytes(name: &str, bytes: &[u8]) -> Result<Scan, ScanError> {
-    read_bytes_with(name, bytes, &ReadOptions::default())
+    read_bytes_with(name, bytes, &ReadOptions::AS_FILES_SAY)
 }
 
 /// Reads bytes as a file of this name, with these options.

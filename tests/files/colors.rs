@@ -1,8 +1,10 @@
 //! What files are colored by, from the file to the bytes that are drawn: bits by distribution, one color everywhere, few
 //! colored points, points without a color. Files are made up as text.
 
+use crate::PROGRAM;
 use crate::bytes::shown;
 use kit::las_files::save;
+use kit::program;
 use kit::reading;
 use points::{ColorSource, Scan};
 use std::path::{Path, PathBuf};
@@ -164,10 +166,8 @@ fn wild_values_leave_the_others_as_bright_as_they_are() {
 
 /// What `info` prints of a scan's colors.
 fn said(path: &Path) -> String {
-    let output =
-        std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    text.lines().find(|line| line.starts_with("color")).unwrap().to_owned()
+    let output = program::run(program::command(PROGRAM).arg("info").arg(path));
+    output.text().lines().find(|line| line.starts_with("color")).unwrap().to_owned()
 }
 
 #[test]

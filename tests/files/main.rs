@@ -13,4 +13,8 @@ mod scan_real;
 mod scene;
 mod starts;
 mod synth;
+mod tally;
 mod up;
+
+/// The program under test.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");

@@ -1,21 +1,15 @@
 //! Many files at once: more than a process may open, a bad one among good ones, one named twice, and files that only
 //! lie beside scans.
 
+use crate::PROGRAM;
 use base::task::CancelToken;
 use kit::las_files::Fixture;
+use kit::program::{self, RunOutput};
 use kit::reading;
-use points::{Project, ReadOptions, Unit, Up, read};
+use points::{ReadOptions, read};
 use std::path::PathBuf;
-use std::process::{Command, Output};
 
-const STRICT: ReadOptions = ReadOptions {
-    up: Up::Auto,
-    unit: Unit::Auto,
-    vertical_unit: Unit::Auto,
-    project: Project::Auto,
-    strict: true,
-    show_withheld: false,
-};
+const STRICT: ReadOptions = ReadOptions { strict: true, ..ReadOptions::AS_FILES_SAY };
 
 /// A folder with a file for each name.
 fn folder(files: &[(&str, &[u8])]) -> (tempfile::TempDir, Vec<PathBuf>) {
@@ -33,9 +27,8 @@ fn tile() -> Vec<u8> {
     Fixture::new(3).with_points(5).bytes()
 }
 
-fn info(options: &[&str], paths: &[PathBuf]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
-    command.arg("info").args(options).args(paths).output().unwrap()
+fn info(options: &[&str], paths: &[PathBuf]) -> RunOutput {
+    program::run(program::command(PROGRAM).arg("info").args(options).args(paths))
 }
 
 #[cfg(unix)]
@@ -77,11 +70,11 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     };
     assert!(refused(&paths, &STRICT).contains("bad_1.las: "));
     let bad = [paths[2].clone(), paths[0].clone()];
-    assert!(refused(&bad, &ReadOptions::default()).contains("bad_2.ply: "), "nothing can be read");
-    assert!(refused(&paths[..1], &ReadOptions::default()).contains("bad_1.las: "), "one alone");
+    assert!(refused(&bad, &ReadOptions::AS_FILES_SAY).contains("bad_2.ply: "), "nothing can be read");
+    assert!(refused(&paths[..1], &ReadOptions::AS_FILES_SAY).contains("bad_1.las: "), "one alone");
     // A name that no file has is a slip in the command, not a bad tile.
     let missing = [paths[1].clone(), folder.path().join("missing.las")];
-    assert!(refused(&missing, &ReadOptions::default()).contains("missing.las: "));
+    assert!(refused(&missing, &ReadOptions::AS_FILES_SAY).contains("missing.las: "));
 }
 
 /// What is left of files that end too early, or hold a row that is none, is shown, unless strict reading is asked
@@ -119,12 +112,11 @@ fn the_commands_refuse_when_told_to_be_strict() {
     let tile = tile();
     let (_folder, paths) = folder(&[("a.las", &tile), ("b.las", b"no scan")]);
     let lenient = info(&[], &paths);
-    assert!(lenient.status.success(), "{lenient:?}");
-    assert!(String::from_utf8(lenient.stdout).unwrap().contains("b.las: is not a LAS"));
+    assert!(lenient.ok().text().contains("b.las: is not a LAS"));
     for options in [&["--strict"][..], &["--set", "cloud.strict=true"]] {
         let strict = info(options, &paths);
-        assert_eq!((strict.status.code(), strict.stdout.len()), (Some(1), 0));
-        assert!(String::from_utf8(strict.stderr).unwrap().contains("b.las: is not a LAS"));
+        assert_eq!((strict.code, strict.out.len()), (Some(1), 0));
+        assert!(strict.err.contains("b.las: is not a LAS"));
     }
 }
 
@@ -137,11 +129,8 @@ fn more_tiles_than_open_files_are_read() {
     let files: Vec<(&str, &[u8])> = names.iter().map(|name| (name.as_str(), &tile[..])).collect();
     let (folder, _) = folder(&files);
     let command = "ulimit -n 64 && exec \"$0\" info --json \"$1\"/*.las";
-    let mut shell = Command::new("sh");
-    let output =
-        shell.args(["-c", command, env!("CARGO_BIN_EXE_scanwalk")]).arg(folder.path()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let mut shell = program::command("sh");
+    let json = program::run(shell.args(["-c", command, PROGRAM]).arg(folder.path())).ok().json();
     assert_eq!((&json["points"], &json["warnings"]), (&500.into(), &serde_json::json!([])));
 }
 

@@ -6,7 +6,7 @@ use base::task::{CancelToken, Cancelled, Progress};
 use cloud::octree::{LEAF_POINTS, MAX_LEVEL, MAX_NODE_POINTS, Node, Octree, build_nodes, build_octree};
 use cloud::{BuildError, Cloud, quantize};
 use glam::DVec3;
-use kit::frames::{SplitMix, octree_of, scan_of};
+use kit::frames::{SAMPLE_DETAIL, SplitMix, octree_of, sample_options, scan_of};
 use lab::reference::{self, ReferenceCloud};
 use points::Scan;
 use proptest::prelude::*;
@@ -381,11 +381,11 @@ fn all_batches_together_draw_the_whole_cloud() {
     let eyes = vec![Eye { world_from_view: eye, fov, size_px: [2400, 2400], gaze_in_view: Eye::AHEAD }];
     let view = View { eyes, near: 0.05 };
     let num_drawn = |cloud: &Cloud| {
-        let detail = Detail { forced_planes: ALL_PLANES, ..Detail::default() };
+        let detail = Detail { forced_planes: ALL_PLANES, ..SAMPLE_DETAIL };
         let frame = reference::frame(
             &ReferenceCloud::flat(cloud),
             &view,
-            &DrawOptions { detail, ..DrawOptions::default() },
+            &DrawOptions { detail, ..sample_options() },
             None,
         );
         assert_eq!(frame.points_read(), cloud.num_points);

@@ -2,18 +2,20 @@
 //! precision. Deleted points and noise are reported. The program and the library are tested from outside, on files
 //! made here.
 
+use crate::PROGRAM;
 use base::space::Bounds;
 use base::task::{CancelToken, Progress};
-use cloud::{Cloud, Order, build, quantize};
+use cloud::{Cloud, quantize};
 use glam::DVec3;
 use kit::frames::octree_of;
+use kit::las_files::las_bytes;
+use kit::program::{self, RunOutput};
 use kit::reading;
+use lab::order::Order;
 use las::point::{Classification, Format};
-use las::{Builder, Color, Point, Transform, Vector, Writer};
+use las::{Builder, Color, Point, Transform, Vector};
 use points::{self, ReadOptions};
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 const UTM: DVec3 = DVec3::new(500_000.0, 5_000_000.0, 300.0);
 
@@ -30,7 +32,7 @@ fn building(num: usize, edge: f64) -> Vec<DVec3> {
 /// Sets what a made-up point has beside its place.
 type Mark = fn(&mut Point, usize);
 
-fn las_bytes(points: &[DVec3], format: u8, compressed: bool, scale: f64, mark: Mark) -> Vec<u8> {
+fn las(points: &[DVec3], format: u8, compressed: bool, scale: f64, mark: Mark) -> Vec<u8> {
     let mut point_format = Format::new(format).unwrap();
     point_format.is_compressed = compressed;
     let mut builder = Builder::from((1, if format < 6 { 2 } else { 4 }));
@@ -38,8 +40,7 @@ fn las_bytes(points: &[DVec3], format: u8, compressed: bool, scale: f64, mark: M
     let first = points[0];
     let axis = |offset: f64| Transform { scale, offset };
     builder.transforms = Vector { x: axis(first.x), y: axis(first.y), z: axis(first.z) };
-    let mut writer = Writer::new(Cursor::new(Vec::new()), builder.into_header().unwrap()).unwrap();
-    for (i, p) in points.iter().enumerate() {
+    let made_up = points.iter().enumerate().map(|(i, p)| {
         let mut point = Point {
             x: p.x,
             y: p.y,
@@ -51,10 +52,9 @@ fn las_bytes(points: &[DVec3], format: u8, compressed: bool, scale: f64, mark: M
             ..Point::default()
         };
         mark(&mut point, i);
-        writer.write_point(point).unwrap();
-    }
-    writer.close().unwrap();
-    writer.into_inner().unwrap().into_inner()
+        point
+    });
+    las_bytes(builder, made_up)
 }
 
 fn ply_text(points: &[DVec3]) -> Vec<u8> {
@@ -81,11 +81,8 @@ impl SceneFiles {
     }
 }
 
-fn scanwalk(args: &[&str]) -> Output {
-    let output = Command::new(env!("CARGO_BIN_EXE_scanwalk")).args(args).output().unwrap();
-    let stderr = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{args:?}: {stderr}");
-    output
+fn scanwalk(args: &[&str]) -> RunOutput {
+    program::run(program::command(PROGRAM).args(args)).ok()
 }
 
 /// The part of the picture's width and height that points span, how many pixels have one, and the warnings.
@@ -110,8 +107,7 @@ fn rendered(files: &SceneFiles, scan: &Path, more: &[&str], size: [u32; 2]) -> (
     }
     let span =
         [0, 1].map(|axis| f64::from((high[axis] + 1).saturating_sub(low[axis])) / f64::from(size[axis]));
-    let stderr = String::from_utf8(output.stderr).unwrap();
-    let warnings = stderr.lines().filter(|line| line.contains("warning")).collect();
+    let warnings = output.err.lines().filter(|line| line.contains("warning")).collect();
     (span, num, warnings)
 }
 
@@ -137,7 +133,7 @@ fn the_default_picture_shows_the_scene_whatever_is_astray() {
         let points: Vec<DVec3> = scene.iter().chain(&strays).map(|&p| UTM + p).collect();
         // A stray must be on the grid.
         let scale = if name == "zeros" { 0.01 } else { 0.001 };
-        let path = files.save(&format!("{name}.las"), &las_bytes(&points, 2, false, scale, |_, _| ()));
+        let path = files.save(&format!("{name}.las"), &las(&points, 2, false, scale, |_, _| ()));
         let scan = reading::file(&path).unwrap();
         let found = scan.scene.bounds;
         assert!((found.size() - DVec3::new(20.0, 20.0, 8.0)).abs().max_element() < 0.2, "{name}: {found:?}");
@@ -191,12 +187,13 @@ fn strays_on_one_ray_do_not_count() {
         let stray = |i: usize| DVec3::new(4.0, 9.0, 1.7) + ray * 3000.0 * (i as f64 * 0.618_034).fract();
         let points: Vec<DVec3> =
             scene.into_iter().chain((0..num_strays).map(stray)).map(|p| UTM + p).collect();
-        let path = files.save("ray.las", &las_bytes(&points, 2, false, 0.001, |_, _| ()));
+        let path = files.save("ray.las", &las(&points, 2, false, 0.001, |_, _| ()));
         let found = reading::file(&path).unwrap().scene.bounds;
         let most = truth.grown(0.4 * truth.edge());
         let what = format!("{num} {share}: {found:.1?}");
         assert!(most.contains(found.min - UTM) && most.contains(found.max - UTM), "{what}");
-        let text = String::from_utf8(scanwalk(&["info", path.to_str().unwrap()]).stdout).unwrap();
+        let info = scanwalk(&["info", path.to_str().unwrap()]);
+        let text = info.text();
         assert!(text.contains("scene from"), "{text}");
     }
 }
@@ -261,7 +258,8 @@ fn far_points_of_a_ply_are_left_out_and_named_or_cost_nothing() {
         assert!(scan.warnings.iter().all(|w| w.contains("far.ply: has 1 point ")), "{:?}", scan.warnings);
         let (_, num, _) = rendered(&files, &path, &[], [100, 100]);
         assert!(num > 500, "{far}: {num} pixels");
-        let text = String::from_utf8(scanwalk(&["info", path.to_str().unwrap()]).stdout).unwrap();
+        let info = scanwalk(&["info", path.to_str().unwrap()]);
+        let text = info.text();
         let longest = text.split(|c: char| !c.is_ascii_digit()).map(str::len).max();
         assert!(longest < Some(16), "{text}");
     }
@@ -287,8 +285,8 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
     // The strays are in the midst of the other points, with which they share batches in the files' order.
     let mut points = scene.clone();
     strays.iter().enumerate().for_each(|(i, &p)| points.insert(20_000 * i + 5000, p));
-    let far = files.save("far.las", &las_bytes(&points, 0, false, 0.001, |_, _| ()));
-    let near = files.save("near.las", &las_bytes(&scene, 0, false, 0.001, |_, _| ()));
+    let far = files.save("far.las", &las(&points, 0, false, 0.001, |_, _| ()));
+    let near = files.save("near.las", &las(&scene, 0, false, 0.001, |_, _| ()));
     let (far, near) = (reading::file(&far).unwrap(), reading::file(&near).unwrap());
     assert_eq!(far.scene.bounds, near.scene.bounds);
     let sorted = |mut positions: Vec<DVec3>| {
@@ -299,7 +297,7 @@ fn far_points_of_a_las_never_cost_the_scene_its_precision() {
     let rounded = |p: &DVec3| (*p * 1000.0).round() / 1000.0;
     let truth = sorted(near.files[0].points.xyz.iter().map(|&p| near.files[0].grid.p_in_world(p)).collect());
     for order in [Order::Original, Order::Morton, Order::Shuffled, Order::ShuffledMorton] {
-        let cloud = build(&far, order, &Progress::hidden()).unwrap();
+        let cloud = order.build(&far, &Progress::hidden()).unwrap();
         let positions = sorted(drawn(&cloud));
         assert_eq!(positions.len(), truth.len());
         let worst = positions.iter().map(|p| (*p - rounded(p)).abs().max_element()).fold(0.0, f64::max);
@@ -340,17 +338,17 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
     for format in [0, 2, 3, 6, 7] {
         for compressed in [false, true] {
             let what = format!("format {format}, compressed {compressed}");
-            let path = files.save("withheld.las", &las_bytes(&points, format, compressed, 0.001, withheld));
+            let path = files.save("withheld.las", &las(&points, format, compressed, 0.001, withheld));
             let scan = reading::file(&path).unwrap();
             assert_eq!((scan.num_points(), scan.files[0].points.num_withheld), (1000, 60), "{what}");
             assert!(scan.bounds().size().z < 9.0, "{what}");
             assert!(scan.warnings[0].contains("withheld.las: has 60 points that are withheld"), "{what}");
-            let shown = ReadOptions { show_withheld: true, ..ReadOptions::default() };
+            let shown = ReadOptions { show_withheld: true, ..ReadOptions::AS_FILES_SAY };
             let shown = points::read(&[path], &shown, &CancelToken::default()).unwrap();
             assert_eq!((shown.num_points(), shown.warnings.len()), (1060, 0), "{what}");
             assert_eq!(shown.scene.bounds, scan.scene.bounds, "{what}");
 
-            let path = files.save("noise.las", &las_bytes(&points, format, compressed, 0.001, noise));
+            let path = files.save("noise.las", &las(&points, format, compressed, 0.001, noise));
             let scan = reading::file(&path).unwrap();
             assert_eq!(scan.num_points(), 1060, "{what}");
             assert_eq!((scan.files[0].points.noise.count(), scan.warnings.len()), (60, 0), "{what}");
@@ -359,22 +357,21 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
     }
     let path = files.save(
         "both.las",
-        &las_bytes(&points, 6, true, 0.001, |point, i| {
+        &las(&points, 6, true, 0.001, |point, i| {
             point.is_withheld = i % 100 == 0;
             point.classification = Classification::new(if i < 1000 { 2 } else { 18 }).unwrap();
         }),
     );
-    let json = scanwalk(&["info", "--json", path.to_str().unwrap()]).stdout;
-    let json: serde_json::Value = serde_json::from_slice(&json).unwrap();
+    let json = scanwalk(&["info", "--json", path.to_str().unwrap()]).json();
     assert_eq!((json["points"].as_u64(), json["withheld"].as_u64()), (Some(1060), Some(11)));
     assert_eq!(json["noise"].as_u64(), Some(59));
     let said = json["warnings"].to_string();
     assert!(said.contains("11 points are withheld") && said.contains("59 points are noise"), "{said}");
-    let text = String::from_utf8(scanwalk(&["info", path.to_str().unwrap()]).stdout).unwrap();
+    let info = scanwalk(&["info", path.to_str().unwrap()]);
+    let text = info.text();
     assert!(text.contains("withheld") && text.contains("noise") && text.contains("scene from"), "{text}");
     // The reason is that there are only deleted points.
-    let path =
-        files.save("gone.las", &las_bytes(&scene, 6, true, 0.001, |point, _| point.is_withheld = true));
+    let path = files.save("gone.las", &las(&scene, 6, true, 0.001, |point, _| point.is_withheld = true));
     let error = reading::file(&path).unwrap_err().to_string();
     assert!(error.contains("gone.las: holds no points: all 1000 are withheld"), "{error}");
 }
@@ -382,9 +379,9 @@ fn the_withheld_are_not_drawn_and_noise_does_not_count() {
 #[test]
 fn files_far_apart_are_named_and_the_larger_part_is_seen() {
     let files = SceneFiles::new();
-    let local = files.save("local.las", &las_bytes(&building(3000, 20.0), 2, false, 0.001, |_, _| ()));
+    let local = files.save("local.las", &las(&building(3000, 20.0), 2, false, 0.001, |_, _| ()));
     let utm: Vec<DVec3> = building(2900, 20.0).into_iter().map(|p| UTM + p).collect();
-    let utm = files.save("utm.las", &las_bytes(&utm, 2, true, 0.001, |_, _| ()));
+    let utm = files.save("utm.las", &las(&utm, 2, true, 0.001, |_, _| ()));
     for paths in [[local.clone(), utm.clone()], [utm, local]] {
         let scan = reading::files(&paths).unwrap();
         assert!(scan.scene.bounds.max.x < 21.0, "{:?}", scan.scene.bounds);
@@ -396,7 +393,7 @@ fn files_far_apart_are_named_and_the_larger_part_is_seen() {
 #[test]
 fn coordinates_that_nothing_has_name_their_file() {
     let files = SceneFiles::new();
-    let path = files.save("broken.las", &las_bytes(&building(10, 1e30), 0, false, 1e24, |_, _| ()));
+    let path = files.save("broken.las", &las(&building(10, 1e30), 0, false, 1e24, |_, _| ()));
     let error = reading::file(&path).unwrap_err().to_string();
     assert!(error.contains("broken.las: has points ") && error.contains("e29 units from zero"), "{error}");
 }

@@ -1,13 +1,15 @@
 //! Which axis of a file points up: by its header, its coordinates, its surfaces, or as the user says. Files are made up.
 
+use crate::PROGRAM;
 use crate::bytes::{TOWER, read_bytes, read_bytes_with, tower, world};
 use glam::DVec3;
 use kit::las_files::save;
+use kit::program;
 use points::{ReadOptions, Scan, Up};
 
 /// Reads bytes as a file of this name, with this axis up.
 fn read_up(name: &str, bytes: &[u8], up: Up) -> Scan {
-    read_bytes_with(name, bytes, &ReadOptions { up, ..ReadOptions::default() }).unwrap()
+    read_bytes_with(name, bytes, &ReadOptions { up, ..ReadOptions::AS_FILES_SAY }).unwrap()
 }
 
 fn ply(remark: &str, column: &str) -> Vec<u8> {
@@ -162,7 +164,6 @@ fn points_that_may_lie_on_their_side_are_not_turned_but_it_is_said() {
         assert!(said.is_empty(), "{remark} {up:?}: {said:?}");
     }
     let (_folder, path) = save("houses.ply", &houses("by hand"));
-    let info =
-        std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
-    assert!(String::from_utf8_lossy(&info.stdout).contains(end));
+    let info = program::run(program::command(PROGRAM).arg("info").arg(path));
+    assert!(info.text().contains(end));
 }

@@ -1,20 +1,24 @@
-//! How shaders reach memory changes no bit of the picture: early-z's look by a plain load, shaders without checks, and wide
+//! How shaders reach memory changes no bit of the picture: early-z's plain load, shaders without checks, and wide
 //! points that threads draw together or alone.
 
 use base::space::View;
+use base::task::Progress;
 use cloud::octree::Octree;
-use kit::frames::{Canvas, Drawn, gpu, inside, made_up, octree_of, stereo, tiers};
+use kit::frames::{
+    Canvas, Drawn, SAMPLE_DETAIL, gpu, inside, made_up, octree_of, sample_options, sizes, spt_of, stereo,
+    tiers,
+};
 use lab::reference::{self, ReferenceCloud};
 use lab::synth::{self, SynthKind};
 use lab::technique::counts::Counts;
-use lab::technique::{EarlyZLoad, LabTechnique, Method, texts};
+use lab::technique::{EarlyZLoad, LabTechnique, Method, texts, tree};
 use render::Access;
 use render::gpu::Atomics;
 use render::gpu::readback;
 use render::layout::{Detail, Variant};
 use render::options::{Dilate, Quality};
 use render::shaders::source;
-use render::{DrawOptions, RINGS_REACH_PX};
+use render::{CloudBuffers, DrawOptions, RINGS_REACH_PX};
 
 fn courtyard(num_points: u64) -> Octree {
     octree_of(&made_up(SynthKind::Terrestrial, num_points))
@@ -34,9 +38,9 @@ fn draw(
 fn all_ways_to_memory_draw_the_references_picture() {
     let octree = courtyard(60_000);
     let view = inside([203, 155]);
-    let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
+    let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..SAMPLE_DETAIL };
     for quality in [Quality::Closest, Quality::Hqs] {
-        let options = DrawOptions { quality, dilate: Dilate::Rings, detail, ..DrawOptions::default() };
+        let options = DrawOptions { quality, dilate: Dilate::Rings, detail, ..sample_options() };
         let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &options, None);
         assert_ne!(
             want.pixels[0], want.pixels[1],
@@ -50,7 +54,7 @@ fn all_ways_to_memory_draw_the_references_picture() {
                 (EarlyZLoad::Atomic, true, true),
             ] {
                 let access = Access { checked, together: Some(together) };
-                let technique = LabTechnique { early_z_load, ..LabTechnique::default() };
+                let technique = LabTechnique { early_z_load, ..LabTechnique::OWN };
                 let drawn = draw(&octree, &view, DrawOptions { access, ..options }, atomics, technique);
                 assert!(
                     drawn.pixels == want.pixels,
@@ -71,9 +75,9 @@ fn all_ways_to_memory_draw_the_references_picture() {
 fn wide_points_are_counted_once_whoever_draws_them() {
     let octree = courtyard(60_000);
     let view = inside([303, 255]);
-    let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
+    let detail = Detail { fade: true, fill_reach_px: Some(RINGS_REACH_PX), ..SAMPLE_DETAIL };
     // A method without a look asks for every pixel, in any order.
-    let options = DrawOptions { detail, ..DrawOptions::default() };
+    let options = DrawOptions { detail, ..sample_options() };
     let counts = |together| {
         let access = Access { together: Some(together), ..Access::default() };
         let technique = LabTechnique::method(Method::AtomicMin);
@@ -92,15 +96,15 @@ fn wide_points_are_counted_once_whoever_draws_them() {
 
 /// A look at a pixel is out of date most often where many points meet in few pixels.
 #[test]
-fn plain_looks_lose_no_point_where_points_crowd() {
+fn plain_loads_lose_no_point_where_points_crowd() {
     let octree = courtyard(200_000);
     let place = synth::viewpoints(SynthKind::Terrestrial)[0];
     let view = stereo(place.eye, place.target, [23, 17]);
     // All points are drawn, thirty layers thick.
-    let detail = Detail { threshold_px: [0.01; 3], ..Detail::default() };
+    let detail = Detail { threshold_px: [0.01; 3], ..SAMPLE_DETAIL };
     for method in [Method::Prefetch, Method::EarlyZ, Method::ReduceEarlyZ] {
         let draw = |early_z_load| {
-            let options = DrawOptions { detail, ..DrawOptions::default() };
+            let options = DrawOptions { detail, ..sample_options() };
             let technique = LabTechnique { early_z_load, ..LabTechnique::method(method) };
             draw(&octree, &view, options, gpu().atomics(), technique).keys
         };
@@ -111,9 +115,24 @@ fn plain_looks_lose_no_point_where_points_crowd() {
     }
 }
 
-/// The setting reaches the shader: with plain looks it binds the targets a second time.
+/// A technique of trees binds a tree's buffers, which an octree lacks: that is told before anything is drawn.
 #[test]
-fn plain_looks_are_another_shader() {
+fn a_cloud_that_lacks_what_a_technique_binds_is_refused() {
+    let view = inside([23, 17]);
+    let mut canvas =
+        Canvas::on(gpu(), &sizes(&view), sample_options(), gpu().atomics(), LabTechnique::tree(1.0));
+    let upload = |octree: &Octree| CloudBuffers::upload_layered(&gpu(), octree, 0, &Progress::hidden());
+    let refused = canvas.renderer.set_cloud(upload(&courtyard(1000)).expect("room"));
+    let words = refused.expect_err("an octree is no tree of discs").to_string();
+    assert!(words.contains("it binds 'tree', which nobody has"), "{words}");
+    let tree = spt_of(&made_up(SynthKind::Terrestrial, 1000), false);
+    let buffers = tree::upload(&gpu(), &tree, 0, &Progress::hidden()).expect("room");
+    assert!(canvas.renderer.set_cloud(buffers).is_ok());
+}
+
+/// The setting reaches the shader: with plain loads it binds the targets a second time.
+#[test]
+fn plain_loads_are_another_shader() {
     for (shader, method) in
         [("depth", Method::Prefetch), ("depth32", Method::Prefetch), ("depth", Method::Reduce)]
     {

@@ -70,7 +70,7 @@ fn setting_a_cloud_makes_and_frees_nothing_on_the_gpu() {
         let view = stereo(center - DVec3::new(4.0, 10.0, -3.0), center, SIZE_PX);
         let sizes = kit::frames::sizes(&view);
         let mut canvas =
-            Canvas::on(Arc::clone(&gpu), &sizes, options(quality), gpu.atomics(), LabTechnique::default());
+            Canvas::on(Arc::clone(&gpu), &sizes, options(quality), gpu.atomics(), LabTechnique::OWN);
         canvas.renderer.set_cloud(one).expect("room");
         canvas.draw(&view);
         // This frame waits to be submitted, so what it uses cannot be freed and made anew unseen.
@@ -236,7 +236,7 @@ fn endless((actions, link): (Receiver<Action>, WalkEnd), stop: &CancelToken) -> 
     let governor = GovernorOptions { enabled: false, ..walk.governor };
     Walk {
         draw,
-        options: WalkOptions { governor, surround: None, ..walk },
+        options: WalkOptions { governor, shows_surround: false, ..walk },
         actions,
         link,
         mirrored: false,
@@ -257,7 +257,7 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<SeenFrame>) {
     let place = scan.bounds().center() - DVec3::new(0.0, 6.0, 1.7);
     let standpoint = Standpoint { floor_in_world: place, ..outside.standpoint };
     let start = Start { standpoint, ..outside };
-    let (frame_link, actions, viewer) = link::link();
+    let (frame_link, actions, viewer) = link::link(Plan::default().state_at_start().snapshot());
     let (loaded_sender, loaded) = channel();
     // The channel has no room: a frame ends when the test has taken it.
     let (seen_sender, seen) = sync_channel(0);
@@ -323,7 +323,7 @@ fn a_lost_gpu_ends_the_headset_with_its_reason() {
     let gpu = Arc::new(Gpu::open(None).expect("a Vulkan driver"));
     assert_eq!(gpu.lost(), None);
     let options = SimulatedOptions { size_px: SIZE_PX, ..Plan::default().simulated };
-    let (frame_link, actions, viewer) = link::link();
+    let (frame_link, actions, viewer) = link::link(Plan::default().state_at_start().snapshot());
     let (loaded_sender, loaded) = channel();
     let walk = endless((actions, frame_link), &CancelToken::default());
     let headset = SimulatedHeadset::new(&gpu, options);

@@ -5,7 +5,9 @@ use lab::bench::{self, BenchOptions, Table};
 use lab::report::{BenchResults, BenchRow, bench_markdown, bench_page};
 use lab::technique::Method;
 use points::ReadOptions;
+use render::gpu::Gpu;
 use scanwalk::resolve::Plan;
+use std::sync::Arc;
 
 const POINTS: u64 = 20_000;
 
@@ -16,9 +18,10 @@ fn measure(table: Table, points: u64) -> BenchResults {
 fn measure_some(table: Table, points: u64, methods: &[&str]) -> BenchResults {
     let options = BenchOptions {
         scan: None,
-        read: ReadOptions::default(),
+        read: ReadOptions::AS_FILES_SAY,
         eyes: |_, _| unreachable!("no scan of a user's"),
-        adapter: String::new(),
+        // Times are read from a GPU that draws nothing else meanwhile.
+        gpu: Arc::new(Gpu::open(None).expect("a GPU")),
         chunk_limit: 0,
         headset_options: Plan::default().draw.options,
         tables: vec![table],

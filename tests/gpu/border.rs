@@ -4,7 +4,10 @@
 use base::space::{Eye, Fov, Pose, View};
 use cloud::octree::Octree;
 use glam::DVec3;
-use kit::frames::{Canvas, Drawn, SplitMix, gpu, num_differing, octree_of, scan_of, sizes, tiers};
+use kit::frames::{
+    Canvas, Drawn, SAMPLE_DETAIL, SplitMix, gpu, num_differing, octree_of, sample_options, scan_of, sizes,
+    tiers,
+};
 use lab::reference::dilate::dilate;
 use render::gpu::Atomics;
 use render::layout::{Detail, GUARD_PX, Pixel, ViewUniform};
@@ -79,9 +82,9 @@ fn options(quality: Quality, dilate: Dilate, fill: bool) -> DrawOptions {
         fade: true,
         smooth: true,
         fill_reach_px: fill.then_some(if dilate == Dilate::Rings { RINGS_REACH_PX } else { [1.0; 3] }),
-        ..Detail::default()
+        ..SAMPLE_DETAIL
     };
-    DrawOptions { quality, dilate, background: [1, 2, 3], detail, ..DrawOptions::default() }
+    DrawOptions { quality, dilate, background: [1, 2, 3], detail, ..sample_options() }
 }
 
 fn draw(octree: &Octree, view: &View, options: DrawOptions, tier: Atomics) -> Drawn {

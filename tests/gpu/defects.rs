@@ -1,9 +1,9 @@
 //! Mistakes that point renderers are known to make, each of which must not happen here (docs/FRAME.md §10).
 
 use base::space::View;
-use cloud::Order;
 use glam::DVec3;
 use kit::frames::{Drawn, cloud_of, draw, mono, scan_of};
+use lab::order::Order;
 use lab::reference::clear::EMPTY;
 
 /// One eye at the origin that looks along +y, x right, z up; `half` is the tangent of its half angles.
@@ -106,7 +106,7 @@ fn every_stored_color_comes_out_as_it_went_in() {
         .map(|i| [[i % 256, 0, 255], [0, i % 256, 7], [i % 256; 3]][usize::from(i / 256)])
         .collect();
     let want: Vec<[u16; 3]> = scan.files[0].points.rgb.clone();
-    let cloud = cloud::build(&scan, Order::Original, &base::task::Progress::hidden()).expect("cloud");
+    let cloud = Order::Original.build(&scan, &base::task::Progress::hidden()).expect("cloud");
     let view = look_north([320, 320], 1.0);
     let drawn = draw(&cloud, &view, true, 0);
     let hits = hits(&drawn, 0, 320);

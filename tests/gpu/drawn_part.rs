@@ -2,9 +2,9 @@
 //! leaves nothing of the part.
 
 use base::space::{Eye, Fov, Pose, View};
-use cloud::Order;
 use glam::DVec3;
 use kit::frames::{Canvas, cloud_of, draw, plain, random_points};
+use lab::order::Order;
 
 const FULL_PX: [u32; 2] = [101, 67];
 const PART_PX: [u32; 2] = [60, 40];

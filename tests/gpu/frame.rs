@@ -2,16 +2,19 @@
 
 use base::space::View;
 use base::task::Progress;
-use cloud::{Cloud, Order, build};
+use cloud::Cloud;
 use glam::DVec3;
-use kit::frames::{Drawn, cloud_of, draw, gpu, made_up, num_differing, plain, random_points, stereo};
+use kit::frames::{
+    Drawn, SAMPLE_DETAIL, cloud_of, draw, gpu, made_up, num_differing, plain, random_points, stereo,
+};
 use kit::real_scans::{self, ROOM};
+use lab::order::Order;
 use lab::reference::{self, ReferenceCloud};
 use lab::synth::{self, SynthKind};
 use points::Scan;
 use render::CloudBuffers;
 use render::layout::{
-    ALL_PLANES, DRAWN_WHOLE, Detail, GpuBatch, GpuNode, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded,
+    ALL_PLANES, DRAWN_WHOLE, GpuBatch, GpuNode, VISIBLE_PLANES, ViewUniform, VisibleBatch, guarded,
 };
 
 fn assert_reference(cloud: &Cloud, view: &View, full_precision: bool, chunk_limit: u64) -> Drawn {
@@ -63,7 +66,7 @@ fn a_real_room_equals_its_reference() {
 }
 
 fn sorted(scan: &Scan) -> Cloud {
-    build(scan, Order::Morton, &Progress::hidden()).expect("a cloud")
+    cloud::build(scan, &Progress::hidden()).expect("a cloud")
 }
 
 #[test]
@@ -93,7 +96,7 @@ fn cull_equals_its_reference() {
     let center = cloud.bounds.center();
     let view = stereo(center + DVec3::new(20.0, 5.0, 1.0), center + DVec3::new(60.0, 40.0, 3.0), [640, 480]);
     let drawn = draw(&cloud, &view, false, 0);
-    let uniform = ViewUniform::new(&view, &cloud.split, &Detail::default());
+    let uniform = ViewUniform::new(&view, &cloud.split, &SAMPLE_DETAIL);
     let scene = ReferenceCloud::flat(&cloud);
     let batches = &scene.batches;
     let cull = |view: &ViewUniform| reference::cull::cull(view, 2, batches, &scene.nodes, &[DRAWN_WHOLE]);

@@ -2,12 +2,14 @@
 
 use base::space::{Eye, Fov, Pose};
 use base::task::Progress;
+use cloud::Cloud;
 use cloud::octree::Octree;
-use cloud::{Cloud, Order, build};
 use glam::DVec3;
 use kit::frames::{
-    Canvas, Drawn, cloud_of, gpu, hqs, inside, num_differing, octree_of, plain, scan_of, sizes, stereo, tiers,
+    Canvas, Drawn, SAMPLE_DETAIL, cloud_of, gpu, hqs, inside, num_differing, octree_of, plain, scan_of,
+    sizes, stereo, tiers,
 };
+use lab::order::Order;
 use lab::reference::{self, ReferenceCloud, ReferenceFrame};
 use lab::synth::{self, SynthKind};
 use points::Scan;
@@ -45,7 +47,7 @@ fn layered_frames_equal_their_reference_in_every_tier() {
     let (_, octree) = courtyard();
     let view = inside([401, 399]);
     let scene = ReferenceCloud::layered(octree);
-    let plain = Detail::default();
+    let plain = SAMPLE_DETAIL;
     let details = [
         ("plain", plain),
         ("fade", Detail { fade: true, ..plain }),
@@ -83,7 +85,7 @@ fn chunks_change_nothing() {
     let (_, octree) = courtyard();
     let view = inside([257, 129]);
     for quality in [Quality::Closest, Quality::Hqs] {
-        let options = DrawOptions { quality, ..hqs(Detail { fade: true, ..Detail::default() }) };
+        let options = DrawOptions { quality, ..hqs(Detail { fade: true, ..SAMPLE_DETAIL }) };
         let draw = |limit| Canvas::layered(octree, &view, options, gpu().atomics(), limit).draw(&view);
         let (whole, cut) = (draw(0), draw(4 * 50_000));
         assert!(whole.pixels == cut.pixels, "{quality:?}");
@@ -99,7 +101,7 @@ fn chunks_change_nothing() {
 fn the_comparison_notices_what_is_wrong() {
     let (_, octree) = courtyard();
     let view = inside([201, 199]);
-    let options = hqs(Detail::default());
+    let options = hqs(SAMPLE_DETAIL);
     let drawn = Canvas::layered(octree, &view, options, gpu().atomics(), 0).draw(&view);
     let mut wrong = octree.clone();
     wrong.filtered_colors.iter_mut().for_each(|c| *c ^= 8);
@@ -111,7 +113,7 @@ fn the_comparison_notices_what_is_wrong() {
         drawn.pixels != reference::frame(&ReferenceCloud::layered(&wrong), &view, &options, None).pixels,
         "and own ones"
     );
-    let other = hqs(Detail { threshold_px: [120.0, 200.0, 300.0], ..Detail::default() });
+    let other = hqs(Detail { threshold_px: [120.0, 200.0, 300.0], ..SAMPLE_DETAIL });
     assert!(drawn.states != reference::frame(&ReferenceCloud::layered(octree), &view, &other, None).states);
 }
 
@@ -125,10 +127,10 @@ fn a_hundred_thousand_points_in_one_pixel() {
     for (i, rgb) in scan.files[0].points.rgb.iter_mut().enumerate() {
         *rgb = if i < 60_000 { [255; 3] } else { [0, 0, 0] };
     }
-    let flat = build(&scan, Order::Morton, &Progress::hidden()).expect("a cloud");
+    let flat = cloud::build(&scan, &Progress::hidden()).expect("a cloud");
     let octree = octree_of(&scan);
     assert!(octree.is_crowded());
-    let options = hqs(Detail::default());
+    let options = hqs(SAMPLE_DETAIL);
     for tier in tiers() {
         let drawn = Canvas::layered(&octree, &view, options, tier, 0).draw(&view);
         assert_same(
@@ -160,7 +162,7 @@ fn a_far_root_is_drawn_thinly() {
     let (_, octree) = courtyard();
     let center = octree.cloud.bounds.center();
     let scene = ReferenceCloud::layered(octree);
-    let options = hqs(Detail::default());
+    let options = hqs(SAMPLE_DETAIL);
     for distance in [2_000.0, 20_000.0, 200_000.0] {
         let view = stereo(center - DVec3::Y * distance, center, [128, 128]);
         let want = reference::frame(&scene, &view, &options, None);
@@ -175,7 +177,7 @@ fn a_far_root_is_drawn_thinly() {
 fn packed_sums_hold() {
     let (_, octree) = courtyard();
     assert!(!octree.is_crowded());
-    let options = hqs(Detail { threshold_px: [50.0; 3], ..Detail::default() });
+    let options = hqs(Detail { threshold_px: [50.0; 3], ..SAMPLE_DETAIL });
     for place in synth::viewpoints(SynthKind::Terrestrial) {
         let view = stereo(place.eye, place.target, [401, 399]);
         let want = reference::frame(&ReferenceCloud::layered(octree), &view, &options, None);
@@ -189,9 +191,9 @@ fn what_is_drawn_is_a_tree() {
     let (_, octree) = courtyard();
     let scene = ReferenceCloud::layered(octree);
     for detail in [
-        Detail::default(),
-        Detail { fade: true, ..Detail::default() },
-        Detail { smooth: true, threshold_px: [60.0, 100.0, 300.0], ..Detail::default() },
+        SAMPLE_DETAIL,
+        Detail { fade: true, ..SAMPLE_DETAIL },
+        Detail { smooth: true, threshold_px: [60.0, 100.0, 300.0], ..SAMPLE_DETAIL },
     ] {
         for place in synth::viewpoints(SynthKind::Terrestrial) {
             let view = stereo(place.eye, place.target, [800, 800]);
@@ -219,7 +221,7 @@ fn hysteresis_keeps_nodes_from_flickering() {
         let eye = place.eye + DVec3::new(0.0, along, 0.0);
         let view = stereo(eye, place.target + eye - place.eye, [1000, 1000]);
         // All rings are alike: a node that comes into another ring does not tremble.
-        let detail = Detail { threshold_px: [300.0; 3], ..Detail::default() };
+        let detail = Detail { threshold_px: [300.0; 3], ..SAMPLE_DETAIL };
         let uniform = ViewUniform::new(&view, &octree.cloud.split, &detail);
         reference::lod::lod(&uniform, 2, &scene.nodes, states);
     };
@@ -254,7 +256,7 @@ fn close_up_nothing_of_the_files_color_is_lost() {
     // The threshold is next to nothing wherever one looks.
     view.near = 1e-3;
     let options = DrawOptions {
-        detail: Detail { threshold_px: [1e-3; 3], forced_planes: ALL_PLANES, ..Detail::default() },
+        detail: Detail { threshold_px: [1e-3; 3], forced_planes: ALL_PLANES, ..SAMPLE_DETAIL },
         ..plain(true)
     };
     let frame = reference::frame(&ReferenceCloud::layered(octree), &view, &options, None);
@@ -298,7 +300,7 @@ proptest! {
         let octree = octree_of(&scan);
         let center = octree.cloud.bounds.center();
         let view = stereo(center - DVec3::new(1.0, 6.0, -1.0), center, [97, 61]);
-        let options = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..Detail::default() });
+        let options = hqs(Detail { fade, fill_reach_px: Some([1.0, 3.0, 4.0]), ..SAMPLE_DETAIL });
         let drawn = Canvas::layered(&octree, &view, options, gpu().atomics(), 0).draw(&view);
         let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &options, None);
         prop_assert!(drawn.pixels == want.pixels);
@@ -317,10 +319,10 @@ fn flat_clouds_blend_too() {
     let center = cloud.bounds.center();
     let view = stereo(center - DVec3::new(9.0, 0.4, 0.2), center, [133, 77]);
     for tier in tiers() {
-        let mut canvas = Canvas::new(&sizes(&view), hqs(Detail::default()), tier);
+        let mut canvas = Canvas::new(&sizes(&view), hqs(SAMPLE_DETAIL), tier);
         let buffers = render::CloudBuffers::upload(&gpu(), &cloud, 0, &Progress::hidden());
         canvas.renderer.set_cloud(buffers.expect("upload")).expect("room");
-        let want = reference::frame(&ReferenceCloud::flat(&cloud), &view, &hqs(Detail::default()), None);
+        let want = reference::frame(&ReferenceCloud::flat(&cloud), &view, &hqs(SAMPLE_DETAIL), None);
         assert_same(&format!("{tier:?}"), &canvas.draw(&view), &want);
         assert!(want.sums[0].iter().any(|sum| sum[3] > 1), "points are blended");
     }
@@ -342,7 +344,7 @@ fn close_up_the_surface_is_closed_and_keeps_its_edge() {
     let eye = Eye { fov: Fov::symmetric(std::f64::consts::FRAC_PI_2, 1.0), ..view.eyes[0] };
     view.eyes[0] = Eye { world_from_view: Pose::look_at(center - DVec3::Y, center, DVec3::Z), ..eye };
     let drawn = |fill_reach_px: Option<[f32; 3]>| {
-        let detail = Detail { fill_reach_px, ..Detail::default() };
+        let detail = Detail { fill_reach_px, ..SAMPLE_DETAIL };
         let options = DrawOptions { dilate: Dilate::Rings, ..hqs(detail) };
         Canvas::layered(&octree, &view, options, gpu().atomics(), 0).draw(&view)
     };

@@ -20,3 +20,6 @@ mod scenery;
 mod second_driver;
 mod shaders;
 mod spt;
+
+/// The program under test.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");

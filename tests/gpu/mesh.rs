@@ -3,7 +3,6 @@
 use base::space::View;
 use base::task::Progress;
 use cloud::spt::SequentialCloud;
-use cloud::{Order, build};
 use glam::DVec3;
 use kit::frames::{Canvas, difference, discs, gpu, hqs, mono, octree_of, scan_of, spt_of, stereo, tiers};
 use kit::picture::write_png;
@@ -374,7 +373,7 @@ fn methods_draw_meshes_too() {
                 // The triangle with the smaller color stays where triangles meet in a pixel.
                 let same = drawn.images[0].iter().zip(&reference.images[0]).filter(|(a, b)| a == b).count();
                 assert!(same * 100 > drawn.images[0].len() * 99, "{same}");
-            } else if method != Method::JustSet {
+            } else if !method.shows_the_last() {
                 assert!(drawn.pixels == reference.pixels, "{} {quality:?}", method.name());
             }
         }
@@ -387,7 +386,7 @@ fn hardware_points_are_no_discs() {
     assert!(technique.check(&gpu(), gpu().atomics()).is_ok());
     technique.error_px = Some(1.0);
     let refusal = technique.check(&gpu(), gpu().atomics()).expect_err("discs have sizes").to_string();
-    assert!(refusal.contains("point-list") && refusal.contains("lod.method"), "{refusal}");
+    assert!(refusal.contains("point-list") && refusal.contains("discs"), "{refusal}");
 }
 
 /// Ways to draw that show only points show those of meshes as any others.
@@ -396,7 +395,7 @@ fn flat_clouds_and_octrees_show_a_meshs_points() {
     let mesh = bumpy_ball(20);
     let mut points = mesh.clone();
     points.files[0].triangles.clear();
-    let flat = |scan: &Scan| build(scan, Order::Morton, &Progress::hidden()).expect("a cloud");
+    let flat = |scan: &Scan| cloud::build(scan, &Progress::hidden()).expect("a cloud");
     assert_eq!(flat(&mesh).planes, flat(&points).planes);
     assert_eq!(octree_of(&mesh).cloud.planes, octree_of(&points).cloud.planes);
 }

@@ -2,10 +2,14 @@
 
 use base::space::{Eye, View};
 use base::task::Progress;
+use cloud::Cloud;
 use cloud::octree::Octree;
-use cloud::{Cloud, GROUP_POINTS, Order};
 use glam::DVec3;
-use kit::frames::{Canvas, Drawn, cloud_of, gpu, octree_of, random_points, scan_of, stereo, tiers};
+use kit::frames::{
+    Canvas, Drawn, SAMPLE_DETAIL, cloud_of, gpu, octree_of, random_points, sample_options, scan_of, stereo,
+    tiers,
+};
+use lab::order::{GROUP_POINTS, Order};
 use lab::reference::{clear, fixed40, points};
 use lab::technique::{LabTechnique, Method};
 use render::CloudBuffers;
@@ -29,7 +33,7 @@ fn view() -> View {
 
 fn options(method: Method, quality: Quality) -> DrawOptions {
     let quality = method.quality().unwrap_or(quality);
-    DrawOptions { quality, background: [1, 2, 3], ..DrawOptions::default() }
+    DrawOptions { quality, background: [1, 2, 3], ..sample_options() }
 }
 
 fn draw(method: Method, quality: Quality, order: Order) -> Drawn {
@@ -72,7 +76,7 @@ fn all_methods_but_just_set_draw_the_same_picture() {
         for quality in [Quality::Closest, Quality::Hqs] {
             let reference = draw(Method::Prefetch, quality, order);
             assert!(reference.pixels[0].iter().any(|pixel| pixel[0] != u32::MAX), "something is seen");
-            for method in methods(quality).filter(|&method| method != Method::JustSet) {
+            for method in methods(quality).filter(|method| !method.shows_the_last()) {
                 let drawn = draw(method, quality, order);
                 assert!(same_as(method, &drawn, &reference), "{} {order:?} {quality:?}", method.name());
             }
@@ -128,14 +132,14 @@ fn just_set_fills_the_same_pixels_wrongly() {
 fn methods_draw_octrees_too() {
     let octree = octree_of(&scan_of(&scattered(), 0.001, DVec3::ZERO));
     let view = view();
-    let detail = Detail { fade: true, threshold_px: [60.0; 3], ..Detail::default() };
+    let detail = Detail { fade: true, threshold_px: [60.0; 3], ..SAMPLE_DETAIL };
     for quality in [Quality::Closest, Quality::Hqs] {
         let draw = |method| {
             let options = DrawOptions { detail, ..options(method, quality) };
             layered(method, &octree, &view, options, gpu().atomics(), 0).draw(&view)
         };
         let reference = draw(Method::Prefetch);
-        for method in methods(quality).filter(|&method| method != Method::JustSet) {
+        for method in methods(quality).filter(|method| !method.shows_the_last()) {
             assert!(same_as(method, &draw(method), &reference), "{} {quality:?}", method.name());
         }
     }
@@ -207,7 +211,7 @@ fn fixed40_equals_its_reference() {
 
 /// The smallest 40-bit depth of each pixel of each eye.
 fn reference_depths(cloud: &Cloud, view: &View, visible: &[VisibleBatch]) -> Vec<Vec<u64>> {
-    let uniform = ViewUniform::new(view, &cloud.split, &Detail::default());
+    let uniform = ViewUniform::new(view, &cloud.split, &SAMPLE_DETAIL);
     let mut depths = vec![clear::pixels(guarded(SIZE_PX), fixed40::EMPTY); view.eyes.len()];
     let planes = cloud.planes.each_ref().map(Vec::as_slice);
     for batch in visible {

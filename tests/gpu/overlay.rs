@@ -1,15 +1,20 @@
 //! Overlays show over copies of the eyes' images what the frame knows, and the images stay as they are.
 
 use base::space::{Eye, View};
+use base::srgb::{linear_from_srgb, linear_of_step, srgb_from_linear};
 use base::task::Progress;
+use cloud::Cloud;
 use cloud::octree::Octree;
-use cloud::{Cloud, Order};
 use glam::DVec3;
-use kit::frames::{Canvas, cloud_of, gpu, octree_of, random_points, scan_of, stereo};
+use kit::frames::{Canvas, cloud_of, gpu, octree_of, random_points, sample_options, scan_of, stereo};
+use lab::order::Order;
 use lab::reference::{self, ReferenceCloud};
 use render::DrawOptions;
 use render::gpu::{Atomics, readback};
-use render::layout::{Detail, EMPTY_DEPTH, GUARD_PX, ViewUniform};
+use render::layout::{
+    DEPTH_OCTAVES, Detail, EDGE_ALPHA, EMPTY_DEPTH, GUARD_PX, OVERDRAW_OCTAVES, OVERLAY_RAMP, PALETTE,
+    RAMP_STEPS, RING_ALPHA, ViewUniform,
+};
 use render::options::{Dilate, Overlay, Quality};
 use render::{CloudBuffers, EyeImage, Overlays};
 
@@ -22,10 +27,6 @@ const DETAIL: Detail = Detail {
     fade: false,
     fill_reach_px: None,
 };
-/// The overlays' colors, as in the shaders, in sRGB.
-const PALETTE: [[f64; 3]; 3] = [[0.337, 0.706, 0.914], [0.0, 0.62, 0.451], [0.902, 0.624, 0.0]];
-const RAMP: [[f64; 3]; 6] =
-    [[0.05, 0.03, 0.2], [0.2, 0.25, 0.7], [0.6, 0.2, 0.6], [0.9, 0.4, 0.2], [1.0, 0.8, 0.2], [1.0, 1.0, 1.0]];
 
 /// Both eyes' images and their copies with an overlay: red, green, blue of each pixel.
 struct OverlaidEyes {
@@ -34,7 +35,7 @@ struct OverlaidEyes {
 }
 
 fn show(canvas: &mut Canvas, view: &View, overlay: Overlay) -> OverlaidEyes {
-    let mut overlays = Overlays::new(&canvas.renderer);
+    let mut overlays = Overlays::new(&canvas.renderer).expect("overlays");
     show_with(&mut overlays, canvas, view, overlay)
 }
 
@@ -70,7 +71,7 @@ fn show_with(overlays: &mut Overlays, canvas: &mut Canvas, view: &View, overlay:
 }
 
 fn options(quality: Quality, dilate: Dilate) -> DrawOptions {
-    DrawOptions { quality, dilate, background: [1, 2, 3], detail: DETAIL, ..DrawOptions::default() }
+    DrawOptions { quality, dilate, background: [1, 2, 3], detail: DETAIL, ..sample_options() }
 }
 
 fn flat() -> Cloud {
@@ -91,16 +92,13 @@ fn at(cloud: &Cloud, distance: f64) -> View {
     view
 }
 
-fn linear(srgb: f64) -> f64 {
-    if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
-}
-
 /// An sRGB color over a pixel, as strong as `alpha`.
-fn over(image: [u8; 3], color: [f64; 3], alpha: f64) -> [u8; 3] {
+fn over(image: [u8; 3], color: [f32; 3], alpha: f32) -> [u8; 3] {
+    let alpha = f64::from(alpha);
     std::array::from_fn(|i| {
-        let mixed = alpha * linear(color[i]) + (1.0 - alpha) * linear(f64::from(image[i]) / 255.0);
-        let srgb = if mixed <= 0.003_130_8 { 12.92 * mixed } else { 1.055 * mixed.powf(1.0 / 2.4) - 0.055 };
-        (255.0 * srgb).round() as u8
+        let color = linear_from_srgb(f64::from(color[i]));
+        let mixed = alpha * color + (1.0 - alpha) * linear_of_step(image[i]);
+        (255.0 * srgb_from_linear(mixed)).round() as u8
     })
 }
 
@@ -108,10 +106,11 @@ fn is_near(a: [u8; 3], b: [u8; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 4)
 }
 
-fn ramp(share: f64) -> [f64; 3] {
-    let at = 5.0 * share.clamp(0.0, 1.0);
-    let stop = (at as usize).min(4);
-    std::array::from_fn(|i| RAMP[stop][i] + (at - stop as f64) * (RAMP[stop + 1][i] - RAMP[stop][i]))
+fn ramp(share: f32) -> [f32; 3] {
+    let at = RAMP_STEPS as f32 * share.clamp(0.0, 1.0);
+    let stop = (at as usize).min(RAMP_STEPS as usize - 1);
+    let [below, above] = [OVERLAY_RAMP[stop], OVERLAY_RAMP[stop + 1]];
+    std::array::from_fn(|i| below[i] + (at - stop as f32) * (above[i] - below[i]))
 }
 
 /// Number of an eye's pixels that are not as wanted; the comparison is only worth something if what is wanted varies.
@@ -158,7 +157,7 @@ fn rings_follow_the_rule_of_dilation() {
             let around = [ring(x + 1, y), ring(x - 1, y), ring(x, y + 1), ring(x, y - 1)];
             let is_edge = around.iter().any(|&other| other != own);
             let at = y * width + x;
-            let alpha = if is_edge { 0.9 } else { 0.22 };
+            let alpha = RING_ALPHA[usize::from(is_edge)];
             let wanted = over(shown.images[eye][at], PALETTE[own - 1], alpha);
             assert!(
                 is_near(shown.copies[eye][at], wanted),
@@ -184,8 +183,8 @@ fn depth_is_a_ramp_from_near() {
             let wanted = |i: usize| match pixels[i] {
                 [EMPTY_DEPTH, _] => [0; 3],
                 [w, _] => {
-                    let octaves = (f64::from(f32::from_bits(w)) / view.near).log2();
-                    over([0; 3], ramp(octaves / 14.0), 1.0)
+                    let octaves = (f32::from_bits(w) / view.near as f32).log2();
+                    over([0; 3], ramp(octaves / DEPTH_OCTAVES), 1.0)
                 }
             };
             assert_eq!(num_wrong(&shown.copies[eye], &wanted), 0, "{dilate:?}");
@@ -207,7 +206,7 @@ fn overdraw_counts_what_a_pixel_blends() {
             for (sums, copy) in sums.iter().zip(&shown.copies) {
                 let wanted = |i: usize| match sums[i][3] {
                     0 => [0; 3],
-                    count => over([0; 3], ramp(f64::from(count).log2() / 6.0), 1.0),
+                    count => over([0; 3], ramp((count as f32).log2() / OVERDRAW_OCTAVES), 1.0),
                 };
                 assert_eq!(num_wrong(copy, &wanted), 0, "{what} {dilate:?}");
                 assert!(sums.iter().any(|sum| sum[3] > 1), "{what}: some pixels have several");
@@ -238,7 +237,7 @@ fn pixel(image: &[[u8; 3]], [x, y]: [usize; 2]) -> [u8; 3] {
 }
 
 /// Checks that a box's edges are drawn in a color, its faces are not, and next to nothing else is.
-fn assert_box(shown: &OverlaidEyes, view: &View, low: DVec3, size: DVec3, color: [f64; 3]) {
+fn assert_box(shown: &OverlaidEyes, view: &View, low: DVec3, size: DVec3, color: [f32; 3]) {
     for (eye, (image, copy)) in view.eyes.iter().zip(shown.images.iter().zip(&shown.copies)) {
         let place = |share: [f64; 3]| pixel_of(view, eye, low + size * DVec3::from_array(share));
         let mut num_strong = 0;
@@ -248,7 +247,7 @@ fn assert_box(shown: &OverlaidEyes, view: &View, low: DVec3, size: DVec3, color:
             share[(axis + 1) % 3] = f64::from((bits & 1) as u8);
             share[(axis + 2) % 3] = f64::from((bits >> 1) as u8);
             let middle = place(share).expect("the whole box is seen");
-            let wanted = [0.9, 0.2].map(|alpha| over(pixel(image, middle), color, alpha));
+            let wanted = EDGE_ALPHA.map(|alpha| over(pixel(image, middle), color, alpha));
             let is = wanted.map(|wanted| is_near(pixel(copy, middle), wanted));
             assert!(is[0] || is[1], "edge {edge}: {:?}, not of {wanted:?}", pixel(copy, middle));
             num_strong += usize::from(is[0]);
@@ -278,7 +277,7 @@ fn nodes_are_cubes_in_their_places() {
     let nearer = show(&mut canvas, &view, Overlay::Nodes);
     let num_green = |shown: &OverlaidEyes| {
         let both = shown.copies[0].iter().zip(&shown.images[0]);
-        both.filter(|(copy, image)| is_near(**copy, over(**image, PALETTE[1], 0.9))).count()
+        both.filter(|(copy, image)| is_near(**copy, over(**image, PALETTE[1], EDGE_ALPHA[0]))).count()
     };
     assert!(num_green(&shown) == 0 && num_green(&nearer) > 20, "{}", num_green(&nearer));
 }
@@ -317,7 +316,7 @@ fn overlays_follow_the_renderer() {
     let view = at(&octree.cloud, 25.0);
     let rings = options(Quality::Hqs, Dilate::Rings);
     let mut canvas = Canvas::layered(&octree, &view, rings, gpu().atomics(), 0);
-    let mut overlays = Overlays::new(&canvas.renderer);
+    let mut overlays = Overlays::new(&canvas.renderer).expect("overlays");
     let other = scan_of(&random_points(30_000, 10.0, 8), 0.001, DVec3::new(5e5, 4e6, 100.0));
     let other = octree_of(&other);
     let set_cloud = |canvas: &mut Canvas, octree: &Octree| {

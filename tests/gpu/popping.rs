@@ -5,7 +5,7 @@
 //! detail. (On a walk, points that come from behind others change more than that; `benches/quality` has both.)
 
 use cloud::octree::Octree;
-use kit::frames::{Canvas, courtyard, gpu, mono, octree_of};
+use kit::frames::{Canvas, SAMPLE_DETAIL, courtyard, gpu, mono, octree_of, sample_options};
 use kit::quality::metrics::largest_patch_change;
 use kit::quality::picture::EyePicture;
 use lab::synth::{self, SynthKind};
@@ -42,14 +42,9 @@ fn largest_pop(octree: &Octree, options: DrawOptions) -> f64 {
 fn fading_keeps_patches_from_popping() {
     let octree = octree_of(&courtyard());
     let pop = |fade, dilate, fill_reach_px| {
-        let detail = Detail { fade, fill_reach_px, threshold_px: THRESHOLD_PX, ..Detail::default() };
-        let options = DrawOptions {
-            quality: Quality::Hqs,
-            dilate,
-            background: [0; 3],
-            detail,
-            ..DrawOptions::default()
-        };
+        let detail = Detail { fade, fill_reach_px, threshold_px: THRESHOLD_PX, ..SAMPLE_DETAIL };
+        let options =
+            DrawOptions { quality: Quality::Hqs, dilate, background: [0; 3], detail, ..sample_options() };
         largest_pop(&octree, options)
     };
     let [popped, faded] = [false, true].map(|fade| pop(fade, Dilate::Off, None));

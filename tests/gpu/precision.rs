@@ -3,12 +3,12 @@
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
 use cloud::quantize::{Cells, cells_of};
-use cloud::{Batch, Cloud, Order, build};
+use cloud::{Batch, Cloud};
 use glam::{DVec3, DVec4};
-use kit::frames::{draw, scan_of};
+use kit::frames::{draw, sample_options, scan_of};
+use lab::order::Order;
 use lab::reference;
 use points::Scene;
-use render::DrawOptions;
 use std::collections::HashMap;
 
 const CORNER: DVec3 = DVec3::new(500_000.0, 4_000_000.0, 100.0);
@@ -28,8 +28,8 @@ fn wall() -> (Cloud, Vec<DVec3>, Vec<u32>) {
     let positions: Vec<DVec3> =
         xyz.iter().map(|p| CORNER + DVec3::from_array(p.map(f64::from)) * 0.001).collect();
     let mut scan = scan_of(&xyz, 0.001, CORNER);
-    scan.scene = Scene { bounds: scan.bounds(), samples: positions.clone() };
-    let cloud = build(&scan, Order::Shuffled, &Progress::hidden()).expect("a cloud");
+    scan.scene = Scene::around(positions.clone());
+    let cloud = Order::Shuffled.build(&scan, &Progress::hidden()).expect("a cloud");
     let widest = cloud.batches.iter().flat_map(|batch| batch.cell).fold(0.0, f32::max);
     assert!(widest > 5e-6, "a batch is kilometers wide: {widest}");
     let numbers = numbers(&cloud);
@@ -109,7 +109,7 @@ fn nothing_jitters_while_the_head_moves() {
         let s = f64::from(step);
         let view = view(DVec3::new(0.000_137 * s, -0.000_071 * s, 0.000_093 * s));
         let frame =
-            reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &DrawOptions::default(), None);
+            reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &sample_options(), None);
         let (wrong, seen) = misplaced(&frame.keys[0], &view, &positions, &|i| numbers[i]);
         assert!(seen > 5_000);
         assert_eq!(wrong, 0, "step {step}, of {seen}");
@@ -121,8 +121,7 @@ fn nothing_jitters_while_the_head_moves() {
 fn the_comparison_notices_less_than_half_a_millimeter() {
     let (cloud, positions, numbers) = wall();
     let view = view(DVec3::ZERO);
-    let frame =
-        reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &DrawOptions::default(), None);
+    let frame = reference::frame(&reference::ReferenceCloud::flat(&cloud), &view, &sample_options(), None);
     let shifted: Vec<DVec3> = positions.iter().map(|p| *p + DVec3::new(0.0004, 0.0, 0.0004)).collect();
     let (wrong, seen) = misplaced(&frame.keys[0], &view, &shifted, &|i| numbers[i]);
     assert!(wrong > seen / 2, "{wrong} of {seen}");

@@ -3,12 +3,13 @@
 //! 64-bit integers in shaders and binds ten storage buffers a stage, the least that a driver of this kind may have.
 //! That is enough for the whole frame, which comes out the same as Mesa's in every pixel.
 
+use crate::PROGRAM;
 use kit::frames::num_differing;
 use kit::made_up;
 use kit::picture::Picture;
+use kit::program::{self, RunOutput};
 use lab::synth::{self, SynthKind, Viewpoint};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
 
 /// The second driver's manifest. Tests that need it are ignored unless the feature `with-second-driver` says that
 /// there is one.
@@ -27,22 +28,21 @@ fn courtyard(folder: &Path, points: u64) -> PathBuf {
 }
 
 /// `scanwalk render` to `out`, on the given driver or on those that the machine has.
-fn render(driver: Option<&Path>, scan: &Path, place: &Viewpoint, out: &Path, more: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+fn render(driver: Option<&Path>, scan: &Path, place: &Viewpoint, out: &Path, more: &[&str]) -> RunOutput {
+    let mut command = program::command(PROGRAM);
     let point = |p: glam::DVec3| format!("{},{},{}", p.x, p.y, p.z);
     command.arg("render").arg(scan).arg("-o").arg(out).args(["--size", "401x299"]);
     command.args(["--eye", &point(place.eye), "--target", &point(place.target)]).args(more);
-    command.env_remove("RUST_LOG").stdin(Stdio::null());
     if let Some(driver) = driver {
         // The second name is for loaders from before 2022.
         command.env("VK_DRIVER_FILES", driver).env("VK_ICD_FILENAMES", driver);
     }
-    command.output().expect("scanwalk starts")
+    program::run(&mut command)
 }
 
 /// The last line on stderr: drivers may say something before.
-fn last_words(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).lines().next_back().unwrap_or_default().to_owned()
+fn last_words(output: &RunOutput) -> &str {
+    output.err.lines().next_back().unwrap_or_default()
 }
 
 #[test]
@@ -57,12 +57,12 @@ fn a_driver_without_what_is_asked_for_is_refused_in_one_sentence() {
     let place = &synth::viewpoints(SynthKind::Terrestrial)[0];
     let refused = render(Some(&driver), &scan, place, &out, &["--set", "gpu.tier=int64"]);
     let words = last_words(&refused);
-    assert_eq!(refused.status.code(), Some(1), "{words}");
+    assert_eq!(refused.code, Some(1), "{words}");
     assert!(words.contains("'SwiftShader") && words.contains("has no int64; its best is int32"), "{words}");
     assert!(!out.exists());
     // The sentence is about this driver: the machine's own driver draws the same picture.
     let drawn = render(None, &scan, place, &out, &["--set", "gpu.tier=int64"]);
-    assert!(drawn.status.success() && out.exists(), "{}", last_words(&drawn));
+    assert!(drawn.code == Some(0) && out.exists(), "{}", last_words(&drawn));
 }
 
 /// What is compared: a place, and how it is drawn from there.
@@ -74,7 +74,7 @@ fn drawn(driver: Option<&Path>, scan: &Path, (place, how): Case, folder: &Path) 
     let metrics_path = metrics.to_str().expect("a path of ours");
     let more = [&["--stereo", "--set", "gpu.tier=int32", "--metrics", metrics_path][..], how].concat();
     let output = render(driver, scan, place, &out, &more);
-    assert!(output.status.success(), "{}", last_words(&output));
+    assert_eq!(output.code, Some(0), "{}", last_words(&output));
     let metrics = std::fs::read(&metrics).expect("the figures");
     let metrics: serde_json::Value = serde_json::from_slice(&metrics).expect("JSON");
     let read = |side: &str| Picture::read(&folder.join(format!("out.{side}.png"))).expect("a picture");
@@ -122,10 +122,9 @@ fn both_drivers_draw_the_same_picture() {
 
 /// Whether `doctor` finds that a driver has subgroup operations.
 fn has_subgroups(driver: &Path) -> bool {
-    let mut doctor = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    let mut doctor = program::command(PROGRAM);
     doctor.args(["doctor", "--json"]).env("VK_DRIVER_FILES", driver).env("VK_ICD_FILENAMES", driver);
-    let checks = doctor.stdin(Stdio::null()).output().expect("scanwalk starts").stdout;
-    let checks: serde_json::Value = serde_json::from_slice(&checks).expect("JSON");
+    let checks = program::run(&mut doctor).json();
     let of = |name: &str| {
         checks.as_array().and_then(|all| all.iter().find(|check| check["check"] == name).cloned())
     };

@@ -150,7 +150,7 @@ fn techniques() -> impl Iterator<Item = (LabTechnique, bool)> {
             })
         })
     };
-    let all = Method::ALL.into_iter().chain([Method::PrefetchJustSet]).flat_map(of_method);
+    let all = Method::ALL.into_iter().flat_map(of_method);
     // Hardware points draw no discs.
     let all = all.filter(|t| t.method != Method::PointList || t.error_px.is_none());
     all.flat_map(|t| [true, false].map(|has| (t, has))).filter(|(t, has)| *has || t.method.is_converged())

@@ -6,7 +6,8 @@ use base::task::Progress;
 use cloud::spt::{self, SequentialCloud};
 use glam::DVec3;
 use kit::frames::{
-    Canvas, SplitMix, difference, discs, gpu, hqs, inside, made_up, octree_of, scan_of, spt_of, stereo, tiers,
+    Canvas, SAMPLE_DETAIL, SplitMix, difference, discs, gpu, hqs, inside, made_up, octree_of, scan_of,
+    spt_of, stereo, tiers,
 };
 use kit::quality::metrics;
 use kit::quality::picture::EyePicture;
@@ -229,8 +230,7 @@ fn the_picture_is_the_octrees_within_a_stated_difference() {
     for (number, place) in synth::viewpoints(SynthKind::Photogrammetry).iter().enumerate() {
         let view = stereo(place.eye, place.target, [400, 400]);
         let options = |detail: Detail| DrawOptions { dilate: Dilate::Rings, ..hqs(detail) };
-        let fine =
-            Detail { threshold_px: [50.0; 3], fill_reach_px: Some(RINGS_REACH_PX), ..Detail::default() };
+        let fine = Detail { threshold_px: [50.0; 3], fill_reach_px: Some(RINGS_REACH_PX), ..SAMPLE_DETAIL };
         let want = reference::frame(&ReferenceCloud::layered(&octree), &view, &options(fine), None);
         let detail = Detail { fill_reach_px: Some(RINGS_REACH_PX), ..discs() };
         let got = reference::frame(&scene, &view, &options(detail), None);

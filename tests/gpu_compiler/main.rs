@@ -7,6 +7,7 @@
 mod radv;
 mod wgsl;
 
+use kit::program::{self, this_program};
 use lab::technique::{EarlyZLoad, LabTechnique, Method, POINT_LIST, SHADE_POINTS, SHADE40, texts};
 use render::layout::{Sums, Variant};
 use render::shaders::{COLOR, COLOR32, CULL, DEPTH, DEPTH32, LOD, SHADERS};
@@ -14,7 +15,6 @@ use scanwalk::desktop::MIRROR;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// The GPU families compiled for, RDNA 2 and RDNA 3, each with the names that RADV's versions know it by.
 const FAMILIES: [&[&str]; 2] = [&["navi21"], &["navi31", "gfx1100"]];
@@ -111,7 +111,7 @@ fn laboratory(add: &mut dyn FnMut(String, String)) {
         Variant { fill, texts, ..Variant::eyes(num_eyes) }
     };
     let tree = LabTechnique::tree(1.0);
-    let plain = LabTechnique { early_z_load: EarlyZLoad::Plain, ..LabTechnique::default() };
+    let plain = LabTechnique { early_z_load: EarlyZLoad::Plain, ..LabTechnique::OWN };
     for num_eyes in 1..=2 {
         let of_tree = [LOD.shader(), CULL.shader(), DEPTH.shader(), DEPTH32.shader(), COLOR.shader()];
         for shader in of_tree {
@@ -183,17 +183,15 @@ fn compile_for(
     let folder = tempfile::tempdir().unwrap();
     let job = folder.path().join("job.json");
     std::fs::write(&job, serde_json::to_vec(shaders).unwrap()).unwrap();
-    // The path is not `current_exe`, which names the loader where the tests are started through one.
-    let child = Command::new(std::env::args_os().next().unwrap())
+    let mut command = program::command(this_program());
+    command
         .args(["--exact", "compile_in_child", "--ignored", "--nocapture"])
         .env(JOB, &job)
         .env("RADV_FORCE_FAMILY", name)
         .env("VK_DRIVER_FILES", manifest)
-        .env("VK_ICD_FILENAMES", manifest)
-        .output()
-        .unwrap();
-    let said =
-        format!("{}{}", String::from_utf8_lossy(&child.stdout), String::from_utf8_lossy(&child.stderr));
+        .env("VK_ICD_FILENAMES", manifest);
+    let output = program::run(&mut command);
+    let said = format!("{}{}", String::from_utf8_lossy(&output.out), output.err);
     if said.contains("Unknown family") {
         return Ok(None);
     }

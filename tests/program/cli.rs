@@ -1,25 +1,26 @@
 //! The program from outside: help, wrong usage, exit codes, closed pipes.
 
+use crate::PROGRAM;
 use crate::logs::frame_log;
-use std::io::{BufRead, BufReader};
+use kit::program::{self, Program, RunOutput};
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Command;
 
 fn scanwalk(args: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
-    command.args(args).env_remove("RUST_LOG").stdin(Stdio::null());
+    let mut command = program::command(PROGRAM);
+    command.args(args);
     command
 }
 
-fn output(args: &[&str]) -> Output {
-    scanwalk(args).output().unwrap()
+fn output(args: &[&str]) -> RunOutput {
+    program::run(&mut scanwalk(args))
 }
 
 /// Returns exit code and stderr; wrong usage and failures print nothing on stdout.
 fn refusal(args: &[&str]) -> (i32, String) {
     let output = output(args);
-    assert!(output.stdout.is_empty(), "{args:?} wrote to stdout");
-    (output.status.code().expect("no signal ended it"), String::from_utf8(output.stderr).unwrap())
+    assert!(output.out.is_empty(), "{args:?} wrote to stdout");
+    (output.code.expect("no signal ended it"), output.err)
 }
 
 /// Saves a frame log of `num_frames` rows without a head's pose; returns its path.
@@ -32,8 +33,8 @@ fn saved_log(folder: &Path, num_frames: usize) -> String {
 #[test]
 fn help_names_every_command_and_shared_option() {
     let output = output(&["--help"]);
-    assert_eq!(output.status.code(), Some(0));
-    let help = String::from_utf8(output.stdout).unwrap();
+    let output = output.ok();
+    let help = output.text();
     for word in ["view", "render", "info", "convert", "synth", "bench", "report", "doctor"] {
         assert!(help.contains(&format!("\n  {word} ")), "{word} is not in\n{help}");
     }
@@ -76,8 +77,8 @@ fn every_command_explains_its_options() {
         ("doctor", &["--json"]),
     ] {
         let output = output(&[command, "--help"]);
-        assert_eq!(output.status.code(), Some(0), "{command}");
-        let help = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.code, Some(0), "{command}");
+        let help = output.text();
         for option in options.iter().chain(&["--config", "--set", "--adapter"]) {
             assert!(help.contains(option), "{option} is not in\n{help}");
         }
@@ -87,7 +88,8 @@ fn every_command_explains_its_options() {
 /// What an option says of its setting is what the setting says, in one paragraph.
 #[test]
 fn help_says_of_settings_what_the_table_says() {
-    let output = String::from_utf8(output(&["render", "--help"]).stdout).unwrap();
+    let output = output(&["render", "--help"]);
+    let output = output.text();
     let help = output.split_whitespace().collect::<Vec<_>>().join(" ");
     let says = |option: &str, words: &str| {
         let behind =
@@ -102,7 +104,7 @@ fn help_says_of_settings_what_the_table_says() {
         ("precision", "frame.precision"),
         ("background", "frame.background"),
     ] {
-        let meaning = scanwalk::config::Setting::find(key).unwrap().help();
+        let meaning = scanwalk::config::Setting::find(key).unwrap().meaning();
         assert!(says(option, &format!("{meaning} [default: {key}]")), "--{option} in\n{output}");
     }
     let eye_distance_m = scanwalk::config::Config::default().simulated.eye_distance_m;
@@ -116,7 +118,8 @@ fn help_says_of_settings_what_the_table_says() {
 #[test]
 fn help_names_every_preset() {
     for command in ["view", "render"] {
-        let help = String::from_utf8(output(&[command, "--help"]).stdout).unwrap();
+        let output = output(&[command, "--help"]);
+        let help = output.text();
         for preset in scanwalk::config::PRESETS {
             assert!(help.contains(preset.name), "{} is not in\n{help}", preset.name);
         }
@@ -126,8 +129,8 @@ fn help_names_every_preset() {
 /// Returns what `scanwalk settings` lists.
 fn listed(args: &[&str]) -> toml::Table {
     let output = output(&[&["settings"], args].concat());
-    assert_eq!(output.status.code(), Some(0), "{args:?}");
-    String::from_utf8(output.stdout).unwrap().parse().unwrap()
+    assert_eq!(output.code, Some(0), "{args:?}");
+    output.text().parse().unwrap()
 }
 
 #[test]
@@ -160,7 +163,7 @@ fn wrong_usage_exits_2() {
     for args in [
         &[][..],
         &["fly"],
-        &["view"],
+        &["view", "--window", "off"],
         &["view", "a.laz", "--headset", "maybe"],
         &["view", "a.laz", "--frames", "0"],
         &["view", "a.laz", "--seconds", "-1"],
@@ -193,6 +196,25 @@ fn wrong_usage_exits_2() {
         assert_eq!(code, 2, "{args:?}: {text}");
         assert!(!text.is_empty(), "{args:?}");
     }
+}
+
+#[test]
+fn info_tells_attributes_on_request() {
+    let (_folder, scan) = kit::las_files::save("a.las", &kit::las_files::Fixture::new(6).bytes());
+    let info = |args: &[&str]| {
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(&scan).args(args).output().unwrap();
+        assert!(output.status.success(), "{args:?}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    assert!(!info(&[]).contains("smallest"));
+    assert!(
+        info(&["--attributes"]).contains("smallest") && info(&["--attributes"]).contains("classification")
+    );
+    let json: serde_json::Value = serde_json::from_str(&info(&["--attributes", "--json"])).unwrap();
+    assert_eq!(json["points"], 1000);
+    let names = json["columns"].as_array().unwrap().iter().map(|column| column["name"].as_str().unwrap());
+    assert_eq!(names.take(2).collect::<Vec<_>>(), ["intensity", "return_number"]);
 }
 
 #[test]
@@ -246,9 +268,8 @@ fn failures_exit_1_in_one_line_that_names_the_file() {
 fn a_report_of_a_log() {
     let folder = tempfile::tempdir().unwrap();
     let output = output(&["report", &saved_log(folder.path(), 101)]);
-    assert_eq!(output.status.code(), Some(0));
-    assert!(output.stderr.is_empty());
-    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!((output.code, &*output.err), (Some(0), ""));
+    let text = output.text();
     assert!(text.contains("frames      101 in 1.0 s") && text.contains("costliest   depth"), "{text}");
 }
 
@@ -269,8 +290,8 @@ fn a_report_writes_what_is_asked_for_and_prints_the_text_all_the_same() {
         let args: Vec<&str> =
             ["report", "-o", &page].into_iter().chain(files.iter().map(|f| f.as_str())).collect();
         let output = output(&args);
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        assert!(output.stderr.is_empty() && String::from_utf8(output.stdout).unwrap().contains(words));
+        assert_eq!((output.code, &*output.err), (Some(0), ""));
+        assert!(output.text().contains(words));
         assert!(std::fs::read_to_string(&page).unwrap().contains(heading), "{heading}");
     }
     let nowhere = file("no/such/page.html");
@@ -290,29 +311,24 @@ fn a_closed_pipe_is_no_failure() {
     let folder = tempfile::tempdir().unwrap();
     let log = saved_log(folder.path(), 10);
     let scan = folder.path().join("yard.las").into_os_string().into_string().unwrap();
-    assert_eq!(output(&["synth", "terrestrial", "-o", &scan, "--points", "1000"]).status.code(), Some(0));
+    output(&["synth", "terrestrial", "-o", &scan, "--points", "1000"]).ok();
     // A picture this large is written before it is whole.
     let picture = ["render", &scan, "-o", "-", "--size", "900x900"];
     for args in [&["report", &log][..], &picture, &["info", &scan], &["settings"]] {
         // The pipe's reader is gone before anything is written.
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
-        let output = scanwalk(args).stdout(writer).stderr(Stdio::piped()).spawn().unwrap();
-        let output = output.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+        Program::start_into(&mut scanwalk(args), writer).end().ok();
     }
     // A full disk, by contrast, is a failure.
     if let Ok(full) = std::fs::File::options().write(true).open("/dev/full") {
-        let status = scanwalk(&["report", &log]).stdout(full).stderr(Stdio::null()).status().unwrap();
-        assert_eq!(status.code(), Some(1));
+        assert_eq!(Program::start_into(&mut scanwalk(&["report", &log]), full).end().code, Some(1));
     }
 }
 
 #[test]
 fn the_doctor_answers_programs_and_people() {
-    let output = output(&["doctor", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let checks: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let checks = output(&["doctor", "--json"]).ok().json();
     for check in checks.as_array().unwrap() {
         assert!(check["check"].is_string() && check["found"].is_string(), "{check}");
         let advice = check["advice"].as_str().unwrap();
@@ -322,9 +338,8 @@ fn the_doctor_answers_programs_and_people() {
             "advice where, and only where, it lacks"
         );
     }
-    let people = scanwalk(&["doctor"]).env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().unwrap();
-    let people = String::from_utf8(people.stdout).unwrap();
-    assert!(people.contains("lacking display"), "{people}");
+    let people = output(&["doctor"]);
+    assert!(people.text().contains("lacking display"), "{}", people.text());
 }
 
 /// The loaders of Vulkan and OpenXR and Mesa's layers print nothing by themselves.
@@ -344,19 +359,18 @@ fn the_doctor_says_only_what_it_found() {
     );
     for drivers in [None, Some(&missing), Some(&broken), Some(&lost)] {
         let mut command = scanwalk(&["doctor"]);
-        command.env_remove("XDG_RUNTIME_DIR").env_remove("DISPLAY").env("XR_RUNTIME_JSON", &missing);
+        command.env_remove("XDG_RUNTIME_DIR").env("XR_RUNTIME_JSON", &missing);
         // The variable has a name of today and one from before.
         drivers.map(|drivers| command.env("VK_DRIVER_FILES", drivers).env("VK_ICD_FILENAMES", drivers));
-        let output = command.output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{drivers:?}");
-        assert_eq!(String::from_utf8(output.stderr).unwrap(), "", "{drivers:?}");
-        let text = String::from_utf8(output.stdout).unwrap();
+        let output = program::run(&mut command);
+        assert_eq!((output.code, &*output.err), (Some(0), ""), "{drivers:?}");
+        let text = output.text();
         assert_eq!(text.contains("no Vulkan driver"), drivers.is_some(), "{text}");
     }
     // A user who wants to hear the loaders can: this shows that the test can fail.
     let mut loud = scanwalk(&["doctor", "-vv"]);
     loud.env("VK_DRIVER_FILES", &lost).env("VK_ICD_FILENAMES", &lost).env("VK_LOADER_DEBUG", "all");
-    assert!(!loud.output().unwrap().stderr.is_empty());
+    assert!(!program::run(&mut loud).err.is_empty());
 }
 
 /// Ctrl-C reaches a program that reads from a pipe which never ends.
@@ -364,18 +378,13 @@ fn the_doctor_says_only_what_it_found() {
 #[cfg(unix)]
 fn a_second_interrupt_ends_the_program_at_once() {
     let folder = tempfile::tempdir().unwrap();
-    let pipe = folder.path().join("pipe.csv");
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let pipe = program::named_pipe(folder.path(), "pipe.csv");
     // Reading from a pipe that nobody writes to waits, and does not look at a wish to stop.
-    let mut child = scanwalk(&["report", pipe.to_str().unwrap()]).stderr(Stdio::piped()).spawn().unwrap();
-    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    let run = Program::start(&mut scanwalk(&["report", pipe.to_str().unwrap()]));
     // This waits until the program has opened the pipe too; then nothing comes, and no end.
     let _writer = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
-    let interrupt = || Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    interrupt();
-    let mut line = String::new();
-    stderr.read_line(&mut line).unwrap();
-    assert!(line.contains("once more to stop at once"), "{line}");
-    interrupt();
-    assert_eq!(child.wait().unwrap().code(), Some(130));
+    run.interrupt();
+    run.wait_until_said("once more to stop at once", 1);
+    run.interrupt();
+    assert_eq!(run.end().code, Some(130));
 }

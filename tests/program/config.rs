@@ -5,6 +5,7 @@ use scanwalk::config::{
     Config, ConfigError, FILES, NearClip, PRESETS, Preset, Setting, ValueKind, file, load, page,
 };
 use scanwalk::desktop::MirroredEyes;
+use scanwalk::draw::{NEAR, NEAR_SHARE};
 use std::path::{Path, PathBuf};
 
 fn sets(sets: &[&str]) -> Result<Config, ConfigError> {
@@ -79,7 +80,7 @@ fn quoted(text: &str) -> Vec<&str> {
 fn the_meaning_of_a_choice_names_all_that_there_are() {
     let mut num_choices = 0;
     for setting in Setting::all() {
-        let ValueKind::Choice(names) = setting.kind() else { continue };
+        let ValueKind::Choice(names, _) = setting.kind() else { continue };
         num_choices += 1;
         let help = setting.help();
         let mut told = quoted(&help);
@@ -105,6 +106,17 @@ fn meanings_are_sentences_and_numbers_have_limits() {
         let has_unit = ["_m", "_deg", "_px", "_mib", "_hz"].iter().any(|end| key.ends_with(end));
         assert!(!has_unit || !setting.unit.is_empty(), "{key} has no unit");
     }
+}
+
+/// What `auto` comes to is no value of the table.
+#[test]
+fn the_meaning_of_the_near_clip_says_what_auto_comes_to() {
+    let help = Setting::find("frame.near_m").unwrap().help();
+    let words = format!(
+        "\"auto\" is {NEAR}, and less in pictures of scenes smaller than {} units",
+        NEAR / NEAR_SHARE
+    );
+    assert!(help.contains(&words), "{help}");
 }
 
 /// Lines that assign something and have no comment above.

@@ -10,3 +10,6 @@ mod pages;
 mod report;
 mod strangers;
 mod timing;
+
+/// The program under test.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");

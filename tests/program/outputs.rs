@@ -2,14 +2,17 @@
 //! tried on the program. It refuses before it reads anything.
 #![cfg(unix)]
 
+use crate::PROGRAM;
 use crate::logs::frame_log;
+use kit::las_files::Fixture;
 use kit::picture::Picture;
-use kit::wait::wait_for;
+use kit::program::{self, Program, RunOutput};
+use kit::wait::{LONGEST_S, wait_for};
 use std::fs;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{Read, Write};
 use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Command;
 
 /// A folder with two scans, a frame log, settings, a pose path, and names that lead to them.
 struct TestFolder(tempfile::TempDir);
@@ -20,8 +23,9 @@ const PRECIOUS: [&str; 5] = ["a.las", "b.las", "frames.csv", "set.toml", "walk.p
 impl TestFolder {
     fn new() -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
-        folder.put("a.las", &las(7));
-        folder.put("b.las", &las(9));
+        for (name, num_points) in [("a.las", 7), ("b.las", 9)] {
+            folder.put(name, &Fixture::new(0).with_points(num_points).bytes());
+        }
         folder.put("frames.csv", frame_log(20, "1").as_bytes());
         folder.put("set.toml", b"[frame]\nnear_m = 0.1\n");
         folder.put("walk.poses", b"0,0,0,5,0,0,0,1\n");
@@ -47,18 +51,21 @@ impl TestFolder {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    fn command(&self, line: &str) -> Command {
-        let mut command = Command::new("sh");
-        // Signals reach the program because of `exec`.
-        let line =
-            format!("exec {line}").replace("scanwalk", concat!("'", env!("CARGO_BIN_EXE_scanwalk"), "'"));
-        command.arg("-c").arg(line).current_dir(self.0.path()).stdin(Stdio::null());
-        command.env_remove("RUST_LOG").env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY");
+    /// Several commands, the last of which counts.
+    fn shell(&self, line: &str) -> Command {
+        let mut command = program::command("sh");
+        let line = line.replace("scanwalk", &format!("'{PROGRAM}'"));
+        command.arg("-c").arg(line).current_dir(self.0.path());
         command
     }
 
-    fn run(&self, line: &str) -> Output {
-        self.command(line).output().unwrap()
+    /// One command. Signals reach the program because of `exec`.
+    fn command(&self, line: &str) -> Command {
+        self.shell(&format!("exec {line}"))
+    }
+
+    fn run(&self, line: &str) -> RunOutput {
+        program::run(&mut self.command(line))
     }
 
     fn precious(&self) -> Vec<Vec<u8>> {
@@ -76,39 +83,14 @@ impl TestFolder {
     fn refused(&self, line: &str, code: i32) -> String {
         let before = (self.precious(), self.names());
         let output = self.run(line);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(code), "{line}: {said}");
+        let said = output.for_good();
+        assert_eq!(output.code, Some(code), "{line}: {said}");
         assert!(self.precious() == before.0, "{line}: what is read was changed");
         assert_eq!(self.names(), before.1, "{line}: something was left behind");
-        assert!(output.stdout.is_empty(), "{line}");
+        assert!(output.out.is_empty(), "{line}");
         assert!(said.starts_with("scanwalk: ") && said.lines().count() == 1, "{line}: {said}");
         said
     }
-}
-
-/// LAS 1.2, point format 0, of `num_points` points.
-fn las(num_points: u32) -> Vec<u8> {
-    let mut bytes = vec![0; 227];
-    bytes[..4].copy_from_slice(b"LASF");
-    (bytes[24], bytes[25]) = (1, 2);
-    bytes[94..96].copy_from_slice(&227u16.to_le_bytes());
-    bytes[96..100].copy_from_slice(&227u32.to_le_bytes());
-    bytes[105..107].copy_from_slice(&20u16.to_le_bytes());
-    bytes[107..111].copy_from_slice(&num_points.to_le_bytes());
-    for axis in 0..3 {
-        bytes[131 + 8 * axis..][..8].copy_from_slice(&0.01f64.to_le_bytes());
-        bytes[179 + 16 * axis..][..8].copy_from_slice(&f64::from(num_points).to_le_bytes());
-    }
-    for point in 0..num_points {
-        let mut record = [0; 20];
-        for axis in 0..3 {
-            let steps = ((point * (axis as u32 + 1) * 37) % (100 * num_points)) as i32;
-            record[4 * axis..][..4].copy_from_slice(&steps.to_le_bytes());
-        }
-        record[12] = 100;
-        bytes.extend(record);
-    }
-    bytes
 }
 
 #[test]
@@ -204,8 +186,7 @@ fn endings_that_say_something_else_are_refused() {
         folder.refused(line, 2);
     }
     // The ending may be in any case.
-    let output = folder.run("scanwalk render a.las -o X.PNG --size 64x48");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    folder.run("scanwalk render a.las -o X.PNG --size 64x48").ok();
     assert!(fs::read(folder.path("X.PNG")).unwrap().starts_with(b"\x89PNG"));
 }
 
@@ -233,27 +214,25 @@ fn places_where_nothing_can_be_written_are_found_before_reading() {
 fn stdout_takes_one_output_and_nothing_else() {
     let folder = TestFolder::new();
     let output = folder.run("scanwalk render a.las -o - --size 64x48 --metrics m.json");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert_eq!(Picture::decode(&output.stdout).expect("a picture and nothing else").width, 64);
+    assert_eq!(Picture::decode(&output.ok().out).expect("a picture and nothing else").width, 64);
     assert!(folder.path("m.json").exists());
     let output = folder.run("scanwalk render a.las -o x.png --size 64x48 --metrics -");
-    assert_eq!(serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()["points"], 7);
+    assert_eq!(output.json()["points"], 7);
     let output = folder.run("scanwalk render a.las -o /dev/null --size 4x2 --depth -");
-    assert!(output.stdout.starts_with(b"\x93NUMPY") && output.stdout.len() == 128 + 4 * 8);
+    assert!(output.out.starts_with(b"\x93NUMPY") && output.out.len() == 128 + 4 * 8);
 }
 
 #[test]
 fn a_pipe_and_a_link_are_written_through() {
     let folder = TestFolder::new();
-    let pipe = folder.path("pipe.png");
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    let mut child = folder.command("scanwalk render a.las -o pipe.png --size 64x48").spawn().unwrap();
+    let pipe = program::named_pipe(folder.0.path(), "pipe.png");
+    let run = Program::start(&mut folder.command("scanwalk render a.las -o pipe.png --size 64x48"));
     let mut picture = Vec::new();
     fs::File::open(&pipe).unwrap().read_to_end(&mut picture).unwrap();
-    assert!(child.wait().unwrap().success() && picture.starts_with(b"\x89PNG"));
+    run.end().ok();
+    assert!(picture.starts_with(b"\x89PNG"));
     symlink("inner/later.png", folder.path("dangling.png")).unwrap();
-    let output = folder.run("scanwalk render a.las -o dangling.png --size 64x48");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    folder.run("scanwalk render a.las -o dangling.png --size 64x48").ok();
     assert_eq!(fs::read_link(folder.path("dangling.png")).unwrap(), Path::new("inner/later.png"));
     assert!(fs::read(folder.path("inner/later.png")).unwrap() == picture, "the same picture");
 }
@@ -327,8 +306,7 @@ fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
         &format!("{view} --log table.csv --force"),
         "scanwalk report frames.csv -o site.html --force",
     ] {
-        let output = folder.run(line);
-        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        folder.run(line).ok();
     }
     for (name, start) in [("b.las", &b"LASF"[..]), ("photo.png", b"\x89PNG"), ("site.html", b"<!DOCTYPE")] {
         assert!(fs::read(folder.path(name)).unwrap().starts_with(start), "{name}");
@@ -342,7 +320,7 @@ fn what_a_user_has_is_replaced_only_where_it_is_an_older_output_or_by_force() {
 fn outputs_of_an_earlier_run_are_replaced() {
     let folder = TestFolder::new();
     folder.put("empty.las", b"");
-    for run in 0..2 {
+    for _ in 0..2 {
         for line in [
             "scanwalk render a.las -o x.png --depth x.npy --metrics x.json --size 64x48",
             "scanwalk view a.las --headset off --window off --frames 2 --log x.csv",
@@ -353,12 +331,10 @@ fn outputs_of_an_earlier_run_are_replaced() {
                 "results.json",
                 br#"{"device": "a GPU", "driver": "1", "copy_gb_per_s": 1, "rows": []}"#,
             );
-            let output = folder.run(line);
-            assert!(output.status.success(), "{run}: {line}: {}", String::from_utf8_lossy(&output.stderr));
+            folder.run(line).ok();
         }
     }
-    let output = folder.run("scanwalk synth aerial -o empty.las --points 100");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    folder.run("scanwalk synth aerial -o empty.las --points 100").ok();
 }
 
 /// The limit stands in for a full disk: both end a write with an error.
@@ -373,20 +349,12 @@ fn a_disk_that_fills_up_is_named_and_leaves_nothing() {
         let line =
             format!("trap '' XFSZ; ulimit -f 200; scanwalk synth {kind} -o {name} --points 30000 --force");
         let before = folder.names();
-        let output = folder.run_in_shell(&line);
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(1), "{said}");
+        let output = program::run(&mut folder.shell(&line));
+        let said = output.err;
+        assert_eq!(output.code, Some(1), "{said}");
         assert!(said.contains(name) && said.contains("nothing was kept"), "{said}");
         assert_eq!(fs::read(folder.path(name)).unwrap(), b"old");
         assert_eq!(folder.names(), before);
-    }
-}
-
-impl TestFolder {
-    /// Runs several commands, the last of which counts.
-    fn run_in_shell(&self, line: &str) -> Output {
-        let line = line.replace("scanwalk", concat!("'", env!("CARGO_BIN_EXE_scanwalk"), "'"));
-        Command::new("sh").arg("-c").arg(line).current_dir(self.0.path()).output().unwrap()
     }
 }
 
@@ -397,23 +365,19 @@ fn ctrl_c_leaves_no_half_file() {
         let folder = TestFolder::new();
         folder.put("old.las", b"old");
         let before = folder.names();
-        let mut child = folder
-            .command("scanwalk synth aerial -o old.las --points 2000000000 --force")
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let mut said = BufReader::new(child.stderr.take().unwrap()).lines();
-        wait_for("a part of the file", 60.0, || {
-            assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        let line = "scanwalk synth aerial -o old.las --points 2000000000 --force";
+        let mut run = Program::start(&mut folder.command(line));
+        wait_for("a part of the file", || {
+            assert!(run.is_running(), "it ended by itself");
             (folder.names() != before).then_some(())
         });
-        for _ in 0..signals {
-            let _ =
-                Command::new("kill").args(["-INT", &child.id().to_string()]).stderr(Stdio::null()).status();
+        run.interrupt();
+        if signals == 2 {
             // The program has heard the first signal, or has ended.
-            said.next();
+            run.find(LONGEST_S, |said| said.err_text().contains("once more").then_some(()));
+            run.interrupt();
         }
-        let code = child.wait().unwrap().code();
+        let code = run.end().code;
         assert!(code == Some(1) || signals == 2 && code == Some(130), "{code:?}");
         assert_eq!(folder.names(), before, "after {signals} signals");
         assert_eq!(fs::read(folder.path("old.las")).unwrap(), b"old");
@@ -424,9 +388,8 @@ fn ctrl_c_leaves_no_half_file() {
 fn what_is_written_may_be_read_by_whom_the_mask_allows() {
     use std::os::unix::fs::PermissionsExt;
     let folder = TestFolder::new();
-    let output =
-        folder.run_in_shell("umask 027; scanwalk report frames.csv -o page.html > /dev/null && touch plain");
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let line = "umask 027; scanwalk report frames.csv -o page.html > /dev/null && touch plain";
+    program::run(&mut folder.shell(line)).ok();
     let mode = |name: &str| fs::metadata(folder.path(name)).unwrap().permissions().mode();
     assert_eq!(mode("page.html"), mode("plain"));
     let mut page = fs::File::options().append(true).open(folder.path("page.html")).unwrap();

@@ -1,8 +1,8 @@
 //! The things that comments and documents point to exist: files by their paths, sections of the specification, papers
 //! by their keys.
 
+use crate::house::{File, tracked};
 use std::path::Path;
-use std::process::Command;
 
 /// Folders that a named path begins with, seen from the root.
 const TOPS: [&str; 8] = ["benches/", "config/", "crates/", "docs/", "scripts/", "shaders/", "src/", "tests/"];
@@ -38,12 +38,27 @@ fn lost_sections(text: &str, specification: &str) -> Vec<String> {
     lost
 }
 
-/// Keys of papers that a text cites with a section, and that the list of references lacks.
+/// The key of what a part of a text in brackets cites: a name or a year in front of a section or at the beginning.
+fn key(part: &str, is_first: bool) -> Option<&str> {
+    let (key, has_section) = part.split_once(" §").map_or((part, false), |(key, _)| (key, true));
+    let word = key.split(' ').next()?;
+    let is_year = word.len() == 4 && word.chars().all(|c| c.is_ascii_digit());
+    let is_name =
+        word.starts_with(|c: char| c.is_ascii_uppercase()) && word.chars().all(char::is_alphanumeric);
+    (has_section || is_first && (is_year || is_name)).then_some(key)
+}
+
+/// Keys of papers that a text cites, and that the list of references lacks. Links are no citations.
 fn lost_keys(text: &str, references: &str) -> Vec<String> {
-    let cited = |inside: &str| inside.split_once(" §").map(|(key, _)| key.trim().to_owned());
-    let brackets = text.split('[').skip(1).filter_map(|rest| rest.split_once(']').map(|(inside, _)| inside));
-    let keys = brackets.flat_map(|inside| inside.split(", ").filter_map(cited).collect::<Vec<_>>());
-    keys.filter(|key| !key.is_empty() && !references.contains(&format!("\n| {key} |"))).collect()
+    let bracket = |rest: &'_ str| {
+        let (inside, after) = rest.split_once(']')?;
+        (!after.starts_with('(')).then(|| inside.to_owned())
+    };
+    let keys = text.split('[').skip(1).filter_map(bracket).flat_map(|inside| {
+        let keys = inside.split(", ").enumerate().filter_map(|(at, part)| key(part, at == 0));
+        keys.map(str::to_owned).collect::<Vec<_>>()
+    });
+    keys.filter(|key| !references.contains(&format!("\n| {key} |"))).collect()
 }
 
 /// The text behind `//` or `#`; all of a document.
@@ -85,25 +100,19 @@ fn pages_name_the_formats_that_are_read() {
 #[test]
 fn what_comments_name_is_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let tracked = Command::new("git").args(["-C", env!("CARGO_MANIFEST_DIR"), "ls-files", "-z"]).output();
-    let tracked = tracked
-        .ok()
-        .filter(|listed| listed.status.success())
-        .expect("a git checkout, which lists the project's files");
     let page = |name: &str| std::fs::read_to_string(root.join("docs").join(name)).unwrap();
     let (specification, references) = (page("FRAME.md"), page("REFERENCES.md"));
     let mut lost = Vec::new();
-    for path in String::from_utf8(tracked.stdout).unwrap().split_terminator('\0') {
+    for File { path, text } in tracked() {
         let is_prose = [".rs", ".wgsl", ".md", ".toml"].iter().any(|ending| path.ends_with(ending))
             || path.starts_with("scripts/");
         // This file has samples of lost paths.
-        let Ok(text) = std::fs::read_to_string(root.join(path)) else { continue };
         if !is_prose || path.ends_with("tests/program/pages.rs") {
             continue;
         }
-        let text = prose(path, &text);
+        let text = prose(&path, &text);
         // A path is seen from the root, or from the folder of the file.
-        let beside = Path::new(path).parent().unwrap_or(Path::new(""));
+        let beside = Path::new(&path).parent().unwrap_or(Path::new(""));
         let in_room = path.strip_prefix("crates/").and_then(|rest| rest.split('/').next());
         let exists = |name: &str| {
             let room = in_room.map(|room| root.join("crates").join(room).join(name));
@@ -125,6 +134,9 @@ fn what_is_not_there_is_found() {
     assert_eq!(lost_paths("src/*.rs and tests/", &nothing), ["tests/"]);
     assert_eq!(lost_paths("see src/lib.rs.", &|_: &str| true), [""; 0]);
     assert_eq!(lost_sections("(docs/FRAME.md §2 and FRAME.md §12)", "\n## 2. Spaces"), ["FRAME.md §12"]);
-    assert_eq!(lost_keys("[2022 §3.2, SPT §4] [x; 2] [`a`]", "\n| 2022 | x |"), ["SPT"]);
+    let keys = |text| lost_keys(text, "\n| 2022 | x |\n| LAS | y |");
+    assert_eq!(keys("[2022 §3.2, SPT §4] [x; 2] [`a`]"), ["SPT"]);
+    assert_eq!(keys("[2021, tables 1 and 2] [LAS 1.4 R15, table 7] [2013]"), ["2021", "LAS 1.4 R15", "2013"]);
+    assert_eq!(keys("[2022, table 2] [LAS §2.4] [Terms](TERMS.md) [ARG...] [1, 2]"), [""; 0]);
     assert_eq!(prose("a.rs", "let x = 1; // src/x.rs\ncode"), " src/x.rs");
 }

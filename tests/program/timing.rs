@@ -3,12 +3,12 @@
 use base::output::{Output, OutputKind};
 use base::space::Pose;
 use glam::{DQuat, DVec3};
+use kit::program::named_pipe;
 use kit::wait::wait_for;
 use lab::report::Summary;
 use std::path::Path;
-use std::process::Command;
 use std::sync::mpsc::channel;
-use timing::{CallTimes, FrameLog, FrameRow, Phase, ReadError, RunFacts, STAGES, columns, read};
+use timing::{FrameLog, FrameRow, ReadError, RunFacts, STAGES, columns, read};
 
 /// A row whose GPU times follow from `frame`: 5 ms, and 15 ms in every tenth frame.
 fn row(frame: u64) -> FrameRow {
@@ -17,26 +17,12 @@ fn row(frame: u64) -> FrameRow {
         frame,
         time_s: frame as f64 / 90.0,
         predicted_display_ns: 11_111_111 * frame as i64,
-        wait_ms: 2.0,
-        record_ms: 0.5,
-        submit_ms: 0.25,
         stage_ms: [0.5, 0.25, 0.25, if slow { 12.0 } else { 3.0 }, 0.5, 0.25, 0.25],
         gpu_ms: if slow { 15.0 } else { 5.0 },
-        budget_ms: 11.111,
         missed_periods: u32::from(slow),
-        visible_nodes: 7,
-        points_read: 70_000,
-        points_resident: 1_000_000,
-        lod_scale: 1.0,
-        resolution_scale: 1.0,
-        quality: "closest",
         upload_bytes: 4096,
         world_from_head: slow.then_some(pose(frame)),
-        phase: Phase::Walking,
-        visible_batches: 9,
-        calls: CallTimes::default(),
-        session: "simulated",
-        place: None,
+        ..FrameRow::sample()
     }
 }
 
@@ -235,8 +221,7 @@ fn a_disk_that_does_not_keep_up_costs_rows_not_frames() {
     // is counted, and the log says so.
     const NUM_ROWS: u64 = 20_000;
     let folder = tempfile::tempdir().unwrap();
-    let [pipe, path] = ["pipe.csv", "frames.csv"].map(|name| folder.path().join(name));
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let (pipe, path) = (named_pipe(folder.path(), "pipe.csv"), folder.path().join("frames.csv"));
     let (pushed, wait) = channel();
     let reader = std::thread::spawn({
         let (pipe, path) = (pipe.clone(), path.clone());
@@ -264,7 +249,7 @@ fn rows_are_on_the_disk_within_a_second_or_so() {
     let log = FrameLog::start(&output(&path), &facts()).unwrap();
     log.push(row(0));
     // A second, and what a slow disk adds: nothing else writes the row while the log goes on.
-    wait_for("the row", 10.0, || read(&path).is_ok_and(|log| !log.frames.is_empty()).then_some(()));
+    wait_for("the row", || read(&path).is_ok_and(|log| !log.frames.is_empty()).then_some(()));
     drop(log);
 }
 
@@ -286,7 +271,7 @@ fn an_older_log_stays_until_a_scan_is_shown() {
     (0..10).for_each(|frame| log.push(without_scan(frame)));
     log.push(row(10));
     // The scan's first frame gives the log its name.
-    wait_for("the new log", 10.0, || (text() != older).then_some(()));
+    wait_for("the new log", || (text() != older).then_some(()));
     log.push(row(11));
     drop(log);
     assert_eq!(

@@ -1,12 +1,12 @@
 //! The card in the headset: why there is no scan can be read there too, for as long as somebody needs.
 
+use crate::PROGRAM;
 use crate::scene::ViewedScans;
 use kit::picture::Picture;
 use kit::wait::wait_for;
 use kit::xr::{Compositor, RuntimeSlot};
 use std::path::Path;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 /// Width of an eye's part of the compositor's screen, pixels.
 const EYE_PX: usize = 960;
 
@@ -26,7 +26,7 @@ fn a_scan_that_cannot_be_read_is_told_of_in_the_headset() {
     let args = ["view", broken, "--headset", "require", "--window", "off", "-v"];
     let run = runtime.start(Path::new(PROGRAM), &args);
     run.wait_until_said("headset session: FOCUSED", 1);
-    let eyes = wait_for("the heading in both eyes", 60.0, || {
+    let eyes = wait_for("the heading in both eyes", || {
         let screen = run.screen();
         let eyes = [0, EYE_PX].map(|x| screen.columns(x, EYE_PX));
         eyes.iter().all(|eye| num_of_heading(eye) > 200).then_some(eyes)

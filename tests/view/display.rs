@@ -1,19 +1,19 @@
 //! Display servers that keep silent, as a session that hangs does: it takes connections and says nothing.
 
-use crate::program::Program;
+use crate::PROGRAM;
 use crate::scene::ViewedScans;
+use kit::program::{self, Program};
 use kit::screen::Screen;
 use kit::wait::wait_for;
 use std::os::unix::net::UnixListener;
 use std::path::Path;
-use std::process::{Command, Stdio};
 
 /// Starts the program with `args` in a folder that holds a silent compositor's socket, and on an X server, if there
 /// is one.
 fn start(folder: &Path, args: &[&str], display: Option<&str>) -> Program {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
-    command.args(args).current_dir(folder).stderr(Stdio::piped()).env_remove("DISPLAY");
-    command.env("WAYLAND_DISPLAY", "wayland-0").env("XDG_RUNTIME_DIR", folder);
+    let mut command = program::command(PROGRAM);
+    command.args(args).current_dir(folder).env("WAYLAND_DISPLAY", "wayland-0").env("XDG_RUNTIME_DIR", folder);
+    command.env("XDG_STATE_HOME", folder);
     command.envs(display.map(|name| ("DISPLAY", name)));
     Program::start(&mut command)
 }
@@ -30,15 +30,16 @@ fn a_compositor_that_keeps_silent_is_given_up() {
 
     let run = start(folder.path(), &view, Some(&screen.display));
     let window = screen.wait_for_window("scanwalk");
-    wait_for("something in it", 60.0, || {
+    wait_for("something in it", || {
         let picture = screen.picture(&window);
         picture.pixels.iter().any(|pixel| *pixel != picture.pixels[0]).then_some(())
     });
     screen.ask_to_close(&window);
-    assert_eq!(run.end(), (Some(0), String::new()));
+    assert_eq!(run.end().ok().for_good(), "");
 
-    let (code, said) = start(folder.path(), &view, None).end();
-    assert!(code == Some(1) && said.lines().count() == 1, "{said}");
+    let output = start(folder.path(), &view, None).end();
+    let said = output.for_good();
+    assert!(output.code == Some(1) && said.lines().count() == 1, "{said}");
     assert!(said.contains("wayland-0, where a compositor listens, but does not answer"), "{said}");
 
     // The program is asked to end while it waits for the compositor; by itself it would end with a failure.
@@ -48,23 +49,22 @@ fn a_compositor_that_keeps_silent_is_given_up() {
     let run = start(folder.path(), &view, None);
     let _asked = silent.accept().expect("whoever asks");
     run.interrupt();
-    let (code, said) = run.end();
-    assert!(code == Some(0) && said.contains("stopping"), "{code:?}: {said}");
+    let said = run.end().ok().err;
+    assert!(said.contains("stopping"), "{said}");
 
     let render = ["render", &scan, "-o", "picture.png", "--size", "64x48"];
-    assert_eq!(start(folder.path(), &render, None).end(), (Some(0), String::new()));
+    assert_eq!(start(folder.path(), &render, None).end().ok().for_good(), "");
 }
 
 /// winit's words about an X server that is not there begin with a place in its source.
 #[test]
 fn a_display_that_is_not_there_is_told_of_in_words() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
+    let mut command = program::command(PROGRAM);
     command.args(["view", "a.las", "--headset", "off", "--window", "on"]).current_dir(folder.path());
-    command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", ":98765");
-    let output = command.output().expect("the program starts");
-    let said = String::from_utf8(output.stderr).expect("text");
-    assert_eq!(output.status.code(), Some(1), "{said}");
+    let output = program::run(command.env("DISPLAY", ":98765"));
+    let said = output.err;
+    assert_eq!(output.code, Some(1), "{said}");
     assert!(said.contains("no window can be opened") && said.contains("--window off"), "{said}");
     assert!(!said.contains(".rs") && !said.contains("registry"), "{said}");
 }

@@ -1,6 +1,7 @@
-//! Hands in the walk: they are seen, one of them aims an arc at the floor, and the user is where it landed; the menu opens
+//! Hands in the walk: they are seen, their buttons are labeled for half a minute, one of them aims an arc at the floor, and the user is where it landed; the menu opens
 //! by one, and the other chooses in it.
 
+use crate::PROGRAM;
 use crate::scene::{ViewedScans, num_whole};
 use base::space::Pose;
 use glam::DVec3;
@@ -11,7 +12,6 @@ use kit::xr::poses::{Packet, RemoteEye, RemoteHand, RemotePose};
 use kit::xr::{Compositor, Running, RuntimeSlot};
 use std::path::Path;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 /// Width of an eye's part of the compositor's screen, pixels.
 const EYE_PX: usize = 960;
 /// Half angle of the eyes' field of view, radians.
@@ -46,12 +46,18 @@ fn num_of_arc(image: &Picture) -> usize {
     image.pixels.iter().filter(is_arc).count()
 }
 
+/// Pixels of the color of the menu and of labels, as dark as nothing else and as little colored over so much of the sight.
+fn num_dark(image: &Picture) -> usize {
+    let is_dark = |[r, g, b]: &&[u8; 3]| *r < 45 && *g < 45 && *b < 50 && r.abs_diff(*g) < 8;
+    image.pixels.iter().filter(is_dark).count()
+}
+
 /// A walk through the courtyard in the compositor's headset, which writes this log.
-fn walk(lab: &RuntimeSlot, log: &Path) -> Running {
+fn walk(lab: &RuntimeSlot, log: &Path, labels: &str) -> Running {
     let courtyard = &ViewedScans::get().courtyard;
     let [courtyard, log] = [courtyard, log].map(|path| path.to_str().expect("a UTF-8 path"));
     let args = ["view", courtyard, "--headset", "require", "--window", "off", "--log", log, "-v"];
-    let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5"];
+    let plain = ["--set", "governor.enabled=false", "--set", "headset.resolution_scale=0.5", "--set", labels];
     let runtime = lab.runtime().compositor(Compositor::Xcb).validate().timeout_s(240);
     runtime.start(Path::new(PROGRAM), &[&args[..], &plain].concat())
 }
@@ -61,19 +67,26 @@ fn walk(lab: &RuntimeSlot, log: &Path) -> Running {
 fn a_hand_aims_at_the_floor_and_the_user_is_there() {
     let lab = RuntimeSlot::enter();
     let log = ViewedScans::get().file("hands.csv");
-    let mut run = walk(&lab, &log);
+    let mut run = walk(&lab, &log, "locomotion.labels=true");
     let mut remote = run.remote();
     remote.send(&packet(RemoteHand::default()));
     run.wait_until_said("headset session: FOCUSED", 1);
     // Waits until the left eye sees something, and keeps that.
     let seen = |what: &str, is_there: &dyn Fn(&Picture) -> bool| {
-        let eye = wait_for(what, 150.0, || Some(run.screen().columns(0, EYE_PX)).filter(is_there));
+        let eye = wait_for(what, || Some(run.screen().columns(0, EYE_PX)).filter(is_there));
         eye.keep(&format!("hands-{what}"));
         eye
     };
     // The scan is there when the eye is filled.
     let is_bright = |[r, g, b]: &&[u8; 3]| *r > 90 || *g > 90 || *b > 90;
     let at_rest = seen("scan", &|eye| eye.pixels.iter().filter(is_bright).count() >= EYE_PX * 300);
+    wait_for("the whole scan", || (num_whole(&log) >= 3).then_some(()));
+    // The labels of both controllers come, and go.
+    let most_dark = std::cell::Cell::new(0);
+    seen("labels", &|eye| {
+        most_dark.set(most_dark.get().max(num_dark(eye)));
+        num_dark(eye) + 15_000 < most_dark.get()
+    });
     let at_rest = num_of_arc(&at_rest);
     remote.send(&packet(RemoteHand { stick: [0.0, 1.0], ..RemoteHand::default() }));
     seen("arc", &|eye| num_of_arc(eye) >= at_rest + 300);
@@ -106,7 +119,7 @@ fn aimed(from: DVec3, at: DVec3) -> RemotePose {
 fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
     let lab = RuntimeSlot::enter();
     let log = ViewedScans::get().file("menu.csv");
-    let mut run = walk(&lab, &log);
+    let mut run = walk(&lab, &log, "locomotion.labels=false");
     let mut remote = run.remote();
     // The right hand opens the menu; the left one waits aside, pointing away.
     let right = DVec3::new(0.1, 1.25, -0.45);
@@ -126,26 +139,23 @@ fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
     run.wait_until_said("headset session: FOCUSED", 1);
     let eye = || run.screen().columns(0, EYE_PX);
     // What is seen stays once all points have come.
-    wait_for("the whole scan", 150.0, || (num_whole(&log) >= 3).then_some(()));
+    wait_for("the whole scan", || (num_whole(&log) >= 3).then_some(()));
     remote.send(&packet(aside, true));
-    // The menu is dark, and nothing else is as dark and as little colored over so much of the sight.
-    let is_menu = |[r, g, b]: &&[u8; 3]| *r < 45 && *g < 45 && *b < 50 && r.abs_diff(*g) < 8;
-    let num_dark = |picture: &Picture| picture.pixels.iter().filter(is_menu).count();
     let before = num_dark(&eye());
-    let opened = wait_for("the menu", 60.0, || Some(eye()).filter(|eye| num_dark(eye) > before + 12_000));
+    let opened = wait_for("the menu", || Some(eye()).filter(|eye| num_dark(eye) > before + 12_000));
     opened.keep("hands-menu");
     remote.send(&packet(aside, false));
     // The last button, at the bottom right, leaves. The menu stands above the hand and faces the head.
-    let middle = right + DVec3::Y * 0.2;
+    let middle = right + DVec3::Y * 0.235;
     let menu = Pose::look_at(middle, middle + (middle - DVec3::new(0.0, 1.6, 0.0)), DVec3::Y);
-    let button = middle + menu.orientation * DVec3::new(0.05, -0.152, 0.0);
+    let button = middle + menu.orientation * DVec3::new(0.05, -0.168, 0.0);
     let pose = aimed(DVec3::new(-0.15, 1.35, -0.1), button);
     let pointing = RemoteHand { pose, ..RemoteHand::default() };
     remote.send(&packet(pointing, false));
     // The ray of a hand that points at the menu is blue all the way.
     let is_ray = |[r, _, b]: &&[u8; 3]| i32::from(*b) - i32::from(*r) > 60 && *b > 150;
     let num_ray = |picture: &Picture| picture.pixels.iter().filter(is_ray).count();
-    let seen = wait_for("the ray", 60.0, || Some(eye()).filter(|eye| num_ray(eye) > num_ray(&opened) + 100));
+    let seen = wait_for("the ray", || Some(eye()).filter(|eye| num_ray(eye) > num_ray(&opened) + 100));
     seen.keep("hands-menu-ray");
     // The trigger is pulled for some frames, and let go; frames are counted by the log. A frame may come late.
     let num_frames = || LogRows::so_far(&log).map_or(0, |rows| rows.column("frame").len());
@@ -153,7 +163,7 @@ fn the_menu_opens_by_one_hand_and_the_other_chooses_in_it() {
     for trigger in [0.0, 1.0].into_iter().cycle().take(20) {
         remote.send(&packet(RemoteHand { trigger, ..pointing }, false));
         let from = num_frames();
-        wait_for("further frames", 60.0, || (num_frames() >= from + 4 || has_left()).then_some(()));
+        wait_for("further frames", || (num_frames() >= from + 4 || has_left()).then_some(()));
         if has_left() {
             break;
         }

@@ -1,17 +1,18 @@
 //! In a headset the compositor shows what `render` draws for the same eyes, every layer of validation is silent, and
 //! the walk ends cleanly whoever ends it.
 
+use crate::PROGRAM;
 use crate::scene::{EYE_DISTANCE, ViewedScans};
-use base::percentile::Sorted;
 use kit::picture::Picture;
+use kit::program;
 use kit::rows::LogRows;
 use kit::wait::retry;
 use kit::xr::poses::{Packet, RemoteEye, RemoteHand, RemotePose};
 use kit::xr::{Compositor, Finished, RuntimeSlot};
 use std::path::Path;
-use std::process::Command;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
+/// What times of a frame log may be off, since each is rounded.
+const LOG_ROUNDING_MS: f64 = 0.01;
 /// Pixels of an eye on the virtual screen, which shows both side by side.
 const EYE: [usize; 2] = [960, 1080];
 /// Half angles of the test headset's displays in degrees: 85 across, on panels of 65 × 70 mm. The compositor shows
@@ -45,15 +46,14 @@ fn rendered(scene: &ViewedScans, preset: &str) -> [Picture; 2] {
     let out = scene.file(&format!("{preset}.png"));
     let [x, y] = half_angles_deg();
     let point = |p: glam::DVec3| format!("{},{},{}", p.x, p.y, p.z);
-    let status = Command::new(PROGRAM)
+    let mut command = program::command(PROGRAM);
+    command
         .args(["render", path(&scene.courtyard), path(&scene.ball), "-o", path(&out), "--stereo"])
         .args(["--preset", preset])
         .args(["--ipd", &EYE_DISTANCE.to_string(), "--half-angles", &format!("{x},{x},{y},{y}")])
         .args(["--size", &format!("{}x{}", EYE[0], EYE[1])])
-        .args(["--eye", &point(scene.head.position), "--target", &point(scene.target)])
-        .status()
-        .expect("render starts");
-    assert!(status.success());
+        .args(["--eye", &point(scene.head.position), "--target", &point(scene.target)]);
+    program::run(&mut command).ok();
     ["left", "right"]
         .map(|side| Picture::read(&scene.file(&format!("{preset}.{side}.png"))).expect("a picture"))
 }
@@ -230,20 +230,26 @@ fn frames_that_nobody_sees_have_rows_and_are_not_missed() {
     let periods = ((display_ns[next] - display_ns[next - 1]) * 1e-6 / budgets[next]).round();
     assert_eq!(rows.numbers("missed_periods")[next], (periods - 1.0).max(0.0), "{display_ns:?}");
     assert!(rows.column("gpu_ms")[first..first + 12].iter().all(|cell| cell.is_empty()));
-    // What the runtime's calls took, and how far ahead it predicted the head: some periods at most. A busy machine may
-    // hold up any one frame for longer, so that the median is bounded.
+    // The runtime's calls are parts of what the frame thread does, however long that takes: an image is waited for while
+    // the frame is recorded, the other calls are made while it is submitted.
     let times = |name: &str| -> Vec<f64> {
         rows.column(name)[first + 12..].iter().map(|cell| cell.parse().expect("a time")).collect()
     };
-    let median = |ms: &[f64]| Sorted::new(ms.iter().copied()).median().expect("frames");
-    for (name, most_ms) in
-        [("image_ms", 500.0), ("locate_ms", 50.0), ("release_ms", 500.0), ("end_ms", 500.0)]
+    for (whole, parts) in
+        [("record_ms", &["image_ms"][..]), ("submit_ms", &["locate_ms", "release_ms", "end_ms"])]
     {
-        let ms = times(name);
-        assert!(ms.iter().all(|ms| *ms >= 0.0) && median(&ms) < most_ms, "{name}: {ms:?}");
+        let parts: Vec<Vec<f64>> = parts.iter().map(|name| times(name)).collect();
+        for (row, whole_ms) in times(whole).into_iter().enumerate() {
+            let parts_ms: Vec<f64> = parts.iter().map(|part| part[row]).collect();
+            let is_part = parts_ms.iter().all(|ms| *ms >= 0.0)
+                && parts_ms.iter().sum::<f64>() <= whole_ms + LOG_ROUNDING_MS;
+            assert!(is_part, "{parts_ms:?} of {whole_ms} ms");
+        }
     }
+    // Both ends of an age are of the same clock, so that none is longer than the walk.
+    let walk_ms = 1e3 * rows.numbers("time_s").last().expect("rows");
     let ages = times("pose_age_ms");
-    assert!((-100.0..200.0).contains(&median(&ages)), "{ages:?}");
+    assert!(ages.iter().all(|age| age.abs() < walk_ms), "{walk_ms} ms: {ages:?}");
     assert_eq!(rows.column("session").last(), Some(&"FOCUSED"));
     assert!(rows.column("place_units_per_m").last().is_some_and(|cell| *cell == "1"));
 }
@@ -270,17 +276,15 @@ fn the_budget_is_the_period_that_the_runtime_predicts() {
 fn without_a_runtime_require_fails_and_auto_walks_on() {
     let scene = ViewedScans::get();
     let view = |headset: &str| {
-        Command::new(PROGRAM)
+        let mut command = program::command(PROGRAM);
+        command
             .args(["view", path(&scene.courtyard), "--window", "off", "--frames", "2", "--headset", headset])
             .args(["--set", "simulated.size_px=[64,64]"])
-            .env("XR_RUNTIME_JSON", "/nonexistent/runtime.json")
-            .output()
-            .expect("view starts")
+            .env("XR_RUNTIME_JSON", "/nonexistent/runtime.json");
+        program::run(&mut command)
     };
     let required = view("require");
-    let said = String::from_utf8_lossy(&required.stderr);
-    assert_eq!(required.status.code(), Some(1), "{said}");
-    assert!(said.contains("OpenXR"), "{said}");
-    let auto = view("auto");
-    assert!(auto.status.success(), "{}", String::from_utf8_lossy(&auto.stderr));
+    assert_eq!(required.code, Some(1), "{}", required.err);
+    assert!(required.err.contains("OpenXR"), "{}", required.err);
+    view("auto").ok();
 }

@@ -5,8 +5,11 @@ mod display;
 mod hands;
 mod headset;
 mod offscreen;
-mod program;
+mod phases;
 mod recovery;
 mod scene;
 mod tiers;
 mod window;
+
+/// The program under test.
+const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");

@@ -1,35 +1,41 @@
 //! The walk outlives its headset: whatever a runtime does, the scan, the place, the window and the log are kept, and the
 //! headset is taken again when it answers. One bad call costs a frame.
 
+use crate::PROGRAM;
 use crate::scene::ViewedScans;
 use kit::rows::LogRows;
 use kit::wait::retry;
 use kit::xr::{Finished, Running, RuntimeSlot, TestRuntime};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
-const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
 /// What is said when a headset is taken again.
-const TAKEN: &str = "is used from now on";
+pub const TAKEN: &str = "is used from now on";
 
-/// A walk without a window, whose log has this name.
+/// What is said when a headset is lost.
+pub const GOES_ON: &str = "the walk goes on without a headset";
+
+/// A walk through the courtyard without a window, which writes this log.
 fn start(runtime: &TestRuntime, headset: &str, log: &Path) -> Running {
-    let courtyard = ViewedScans::get().courtyard.to_str().expect("a UTF-8 path").to_owned();
-    let log = log.to_str().expect("a UTF-8 path");
-    let args = ["view", &courtyard, "--headset", headset, "--window", "off", "--log", log, "-v"];
+    start_with(&ViewedScans::get().courtyard, runtime, headset, log)
+}
+
+/// A walk through a scan without a window, which writes this log.
+pub fn start_with(scan: &Path, runtime: &TestRuntime, headset: &str, log: &Path) -> Running {
+    let [scan, log] = [scan, log].map(|path| path.to_str().expect("a UTF-8 path"));
+    let args = ["view", scan, "--headset", headset, "--window", "off", "--log", log, "-v"];
     // Small images, for a software driver.
     let small = ["--set", "headset.resolution_scale=0.3", "--set", "simulated.size_px=[96,96]"];
     runtime.start(Path::new(PROGRAM), &[&args[..], &small].concat())
 }
 
 /// A log of this test's own: tests run beside each other, and two may ask for the same fault.
-fn log_file(test: &str, fault: &str) -> PathBuf {
+pub fn log_file(test: &str, fault: &str) -> PathBuf {
     ViewedScans::get().file(&format!("{test}-{fault}.csv").replace(':', "-"))
 }
 
 /// Waits until the log that a walk writes has rows of these sessions, one after the other, and the last of them shows the
 /// scan from somewhere.
-fn wait_for_rows(run: &Running, log: &Path, sessions: &[&str]) {
+pub fn wait_for_rows(run: &Running, log: &Path, sessions: &[&str]) {
     let (last, before) = sessions.split_last().expect("a session");
     let found = retry(60.0, || {
         let rows = LogRows::so_far(log).ok_or(())?;
@@ -47,20 +53,16 @@ fn wait_for_rows(run: &Running, log: &Path, sessions: &[&str]) {
     }
 }
 
-/// Asks a walk to end, and checks that it ends well within the time that a user waits.
-fn end(run: Running) -> Finished {
+/// Asks a walk to end, and checks that it ends well. The script that runs it ends one that is late, with a code of its own.
+pub fn end(run: Running) -> Finished {
     run.ask_to_end();
-    let asked = Instant::now();
     let done = run.finish();
     done.assert_ok();
-    // The time is what is tested: the program waits two seconds at most for threads that a runtime holds. The script that
-    // runs it ends the runtime besides.
-    assert!(asked.elapsed().as_secs_f64() < 6.0, "{:?}", asked.elapsed());
     done
 }
 
 /// Checks that a log goes from the headset to the simulated one and back, and that the viewer has stayed where they were.
-fn assert_place_is_kept(log: &Path) {
+pub fn assert_place_is_kept(log: &Path) {
     let rows = LogRows::read(log);
     let frames = rows.numbers("frame");
     assert!(frames.windows(2).all(|pair| pair[1] == pair[0] + 1.0), "no frame is lost or counted twice");
@@ -79,7 +81,7 @@ fn assert_place_is_kept(log: &Path) {
 }
 
 /// Faults that take the headset away, and the words by which the user is told.
-const LOSSES: [(&str, &str); 9] = [
+pub const LOSSES: [(&str, &str); 9] = [
     ("sessionlost:20", "xrWaitFrame: ERROR_SESSION_LOST"),
     ("losspending:20", "LOSS_PENDING"),
     ("exiting:20", "EXITING"),
@@ -99,13 +101,11 @@ fn a_lost_headset_is_taken_again() {
         let log = log_file("retaken", fault);
         let run = start(&lab.runtime().fault(fault).timeout_s(90), "auto", &log);
         run.wait_until_said(words, 1);
-        let lost = Instant::now();
         run.wait_until_said(TAKEN, 1);
         run.wait_until_said("headset session: FOCUSED", 2);
-        eprintln!("{fault}: in focus again after {:.1} s", lost.elapsed().as_secs_f64());
         wait_for_rows(&run, &log, &["simulated", "FOCUSED"]);
         let done = end(run);
-        assert!(done.stderr.contains("the walk goes on without it"), "{fault}: {}", done.stderr);
+        assert!(done.stderr.contains(GOES_ON), "{fault}: {}", done.stderr);
         assert_place_is_kept(&log);
     }
 }
@@ -124,7 +124,7 @@ fn a_required_headset_that_is_lost_ends_the_walk_with_the_reason() {
 }
 
 /// Faults of single calls, how often they happen, and the words in the log.
-const HITCHES: [(&str, &str); 10] = [
+pub const HITCHES: [(&str, &str); 10] = [
     ("waiterr:20:5", "xrWaitFrame: ERROR_RUNTIME_FAILURE"),
     ("waitnotrunning:20:5", "xrWaitFrame: ERROR_SESSION_NOT_RUNNING"),
     ("beginerr:20:5", "xrBeginFrame: ERROR_RUNTIME_FAILURE"),
@@ -151,7 +151,7 @@ fn one_bad_call_costs_a_frame() {
         run.wait_until_said("faultlayer: watch", 1);
         let done = end(run);
         assert_eq!(done.stderr.matches(words).count(), 1, "{fault}: {}", done.stderr);
-        assert!(!done.stderr.contains("the walk goes on without it"), "{fault}: {}", done.stderr);
+        assert!(!done.stderr.contains(GOES_ON), "{fault}: {}", done.stderr);
         assert!(!done.stderr.contains("was not waited for"), "{fault}: {}", done.stderr);
         done.assert_valid();
     }
@@ -202,6 +202,7 @@ fn a_runtime_that_is_started_later_is_found() {
     assert_place_is_kept(&log);
 }
 
+/// The call that hangs never returns: only a program that waits for it no longer can end.
 #[test]
 #[cfg_attr(not(feature = "with-runtime"), ignore = "needs an OpenXR runtime, see scripts/headless-runtime")]
 fn nobody_waits_for_a_runtime_that_does_not_answer() {
@@ -240,13 +241,11 @@ fn the_scan_is_still_walked_after_faults_at_random() {
     let runtime = lab.runtime().fault("random:7:25").timeout_s(limit_s as u32);
     let run = start(&runtime, "auto", &log);
     run.wait_until_said("headset session: FOCUSED", 1);
-    let began = Instant::now();
     let happened = retry(limit_s as f64, || {
         let num = fired(&run.said()).len();
         if num >= num_faults { Ok(()) } else { Err(num) }
     });
     assert_eq!(happened, Ok(()), "{}", run.said());
-    let faults_s = began.elapsed().as_secs_f64();
     let done = end(run);
     assert_place_is_kept(&log);
     let rows = LogRows::read(&log);
@@ -255,10 +254,7 @@ fn the_scan_is_still_walked_after_faults_at_random() {
     assert!(read[last] > 0.0 && last + 40 > phases.len(), "{last} of {}", phases.len());
     let fired = fired(&done.stderr);
     let taken = done.stderr.matches(TAKEN).count();
-    eprintln!(
-        "{} faults in {faults_s:.0} s, the headset was taken again {taken} times: {fired:?}",
-        fired.len()
-    );
+    eprintln!("{} faults, the headset was taken again {taken} times: {fired:?}", fired.len());
     assert!(taken >= 1, "{}", done.stderr);
     assert!(!done.stderr.contains("not waited for"), "{}", done.stderr);
 }

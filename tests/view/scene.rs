@@ -2,6 +2,7 @@
 
 use base::space::Pose;
 use glam::DVec3;
+use kit::las_files::las_bytes;
 use kit::rows::LogRows;
 use kit::{made_up, spread};
 use lab::synth::{self, SynthKind};
@@ -64,15 +65,12 @@ fn write_ball(path: &Path, center: DVec3) {
     let scale = 0.0001;
     let axis = |offset: f64| las::Transform { scale, offset: offset.round() };
     header.transforms = las::Vector { x: axis(center.x), y: axis(center.y), z: axis(center.z) };
-    let mut writer = las::Writer::from_path(path, header.into_header().expect("a header")).expect("a writer");
-    for (step, direction) in spread::directions(20_000).enumerate() {
+    let points = spread::directions(20_000).enumerate().map(|(step, direction)| {
         let p = center + 0.03 * direction;
         let color = Some(las::Color { red: 65535 - (step % 2) as u16, green: 0, blue: 0 });
-        writer
-            .write_point(las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() })
-            .expect("a point");
-    }
-    writer.close().expect("the ball is written");
+        las::Point { x: p.x, y: p.y, z: p.z, color, ..Default::default() }
+    });
+    std::fs::write(path, las_bytes(header, points)).expect("the ball is written");
 }
 
 /// Number of frames in a log that is being written that are of the walk and have all points of the courtyard: while

@@ -1,16 +1,15 @@
 //! `view` with a window: the scan and the panel are in it, keys move the viewer, and it mirrors a headset.
 
-use crate::program::Program;
+use crate::PROGRAM;
 use crate::scene::{ViewedScans, num_whole};
 use kit::picture::Picture;
+use kit::program::{self, Program};
 use kit::screen::Screen;
 use kit::wait::wait_for;
 use kit::xr::RuntimeSlot;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-
-const PROGRAM: &str = env!("CARGO_BIN_EXE_scanwalk");
+use std::process::Command;
 
 /// Returns the program's window on a screen, once it is there and has the keyboard.
 fn window(screen: &Screen) -> String {
@@ -26,7 +25,7 @@ fn lit(picture: &Picture) -> usize {
 }
 
 fn wait_lit(screen: &Screen, window: &str) -> Picture {
-    wait_for("the scan in the window", 60.0, || {
+    wait_for("the scan in the window", || {
         let picture = screen.picture(window);
         (lit(&picture) > 2000).then_some(picture)
     })
@@ -36,11 +35,11 @@ fn wait_lit(screen: &Screen, window: &str) -> Picture {
 fn still(screen: &Screen, window: &str, log: &Path) -> Picture {
     let further = |before| {
         // The frame that has just ended may not be in the window yet.
-        wait_for("further frames", 120.0, || (num_whole(log) >= before + 3).then_some(()));
+        wait_for("further frames", || (num_whole(log) >= before + 3).then_some(()));
         (num_whole(log), screen.picture(window))
     };
     let (mut num_before, mut before) = further(0);
-    wait_for("a picture that stays", 120.0, || {
+    wait_for("a picture that stays", || {
         let (num_now, now) = further(num_before);
         let stays = now == before;
         (num_before, before) = (num_now, now);
@@ -63,36 +62,35 @@ fn the_window_shows_the_scan_and_the_panel_and_follows_the_keys() {
         let differing = picture.pixels.iter().zip(&start.pixels).enumerate();
         differing.filter(|(i, (a, b))| i % start.width < 250 && a != b).count()
     };
-    let without = wait_for("the panel to go", 60.0, || {
+    let without = wait_for("the panel to go", || {
         let picture = screen.picture(&window);
         (panel(&picture) > 20_000).then_some(picture)
     });
     // Walking changes what is seen.
     screen.xdotool(&["keydown", "w"]);
-    wait_for("another view", 60.0, || {
+    wait_for("another view", || {
         let picture = screen.picture(&window);
         (picture.num_different(&without) > without.pixels.len() / 20).then_some(())
     });
     screen.xdotool(&["keyup", "w"]);
     // The scan fills the window again in another size and shape.
     screen.xdotool(&["windowsize", "--sync", &window, "900", "411"]);
-    let small = wait_for("the new size", 60.0, || {
+    let small = wait_for("the new size", || {
         let picture = screen.picture(&window);
         ((picture.width, picture.height) == (900, 411) && lit(&picture) > 1000).then_some(picture)
     });
     small.keep("view-resized");
     screen.ask_to_close(&window);
-    assert_eq!(viewer.end().0, Some(0));
+    viewer.end().ok();
 }
 
 /// Starts the program on the courtyard with small eyes; its screenshots come into `folder`.
 fn start(screen: &Screen, folder: &Path) -> Program {
-    let mut command = command(screen, folder, &ViewedScans::get().courtyard, "on");
-    Program::start(command.env_remove("WAYLAND_DISPLAY"))
+    Program::start(&mut command(screen, folder, &ViewedScans::get().courtyard, "on"))
 }
 
 fn command(screen: &Screen, folder: &Path, scan: &Path, when: &str) -> Command {
-    let mut command = Command::new(PROGRAM);
+    let mut command = program::command(PROGRAM);
     command
         .arg("view")
         .arg(scan)
@@ -101,7 +99,7 @@ fn command(screen: &Screen, folder: &Path, scan: &Path, when: &str) -> Command {
         .args(["--set", "governor.enabled=false"])
         .current_dir(folder)
         .env("DISPLAY", &screen.display)
-        .stderr(Stdio::null());
+        .env("XDG_STATE_HOME", folder);
     command
 }
 
@@ -117,13 +115,14 @@ fn a_stale_wayland_display_beside_x11_opens_the_window_there() {
         ("on", "wayland-none", None),
     ] {
         let mut command = command(&screen, folder.path(), &ViewedScans::get().courtyard, when);
-        command.env("WAYLAND_DISPLAY", name).env_remove("XDG_RUNTIME_DIR").stderr(Stdio::piped());
+        command.env("WAYLAND_DISPLAY", name).env_remove("XDG_RUNTIME_DIR");
         command.envs(runtime_dir.map(|folder| ("XDG_RUNTIME_DIR", folder)));
         let viewer = Program::start(&mut command);
         let window = window(&screen);
         wait_lit(&screen, &window);
         screen.ask_to_close(&window);
-        assert_eq!(viewer.end(), (Some(0), String::new()), "--window {when}, {name}");
+        let output = viewer.end().ok();
+        assert_eq!(output.for_good(), "", "--window {when}, {name}");
     }
 }
 
@@ -137,13 +136,13 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
     std::fs::write(&broken, [b"LASF".as_slice(), &[0; 96]].concat()).expect("a file");
     let start = |when, limit: &[&str]| {
         let mut command = command(&screen, folder.path(), &broken, when);
-        command.args(limit).env_remove("WAYLAND_DISPLAY").stderr(Stdio::piped());
-        Program::start(&mut command)
+        Program::start(command.args(limit))
     };
     let assert_failed = |viewer: Program| {
-        let (code, said) = viewer.end();
+        let output = viewer.end();
+        let said = output.for_good();
         assert!(said.lines().last().is_some_and(|reason| reason.contains("broken.las")), "{said}");
-        assert_eq!(code, Some(1));
+        assert_eq!(output.code, Some(1));
     };
     // The card's heading has a color that nothing else has.
     let written = |picture: &Picture| {
@@ -153,12 +152,12 @@ fn a_failure_to_load_stays_in_the_window_until_that_is_closed() {
     for close in [true, false] {
         let mut viewer = start("on", &[]);
         let window = window(&screen);
-        let card = wait_for("the reason", 60.0, || {
+        let card = wait_for("the reason", || {
             let picture = screen.picture(&window);
             (written(&picture) > 100).then_some(picture)
         });
         card.keep("view-failed");
-        assert!(viewer.0.try_wait().expect("a child of ours").is_none(), "it stays");
+        assert!(viewer.is_running(), "it stays");
         if close {
             screen.ask_to_close(&window);
         } else {
@@ -186,7 +185,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let log = folder.path().join("frames.csv");
     let mut command = command(&screen, folder.path(), &ViewedScans::get().courtyard, "on");
-    command.arg("--log").arg(&log).env_remove("WAYLAND_DISPLAY");
+    command.arg("--log").arg(&log);
     // Eyes are smaller still: the notice is there for some seconds alone, in which the window has to come to draw it.
     command.args(["--set", "simulated.size_px=[160,180]"]);
     let viewer = Program::start(&mut command);
@@ -198,7 +197,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let mut before = plain.clone();
     for name in ["rings", "nodes", "overdraw", "depth", "precision"] {
         screen.xdotool(&["key", "o"]);
-        let with = wait_for(name, 60.0, || {
+        let with = wait_for(name, || {
             let picture = screen.picture(&window);
             [&plain, &before].iter().all(|other| picture.num_different(other) > 2000).then_some(picture)
         });
@@ -210,7 +209,7 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     let names = ["left.png", "left.precision.png", "right.png", "right.precision.png"];
     // The notice of them goes by itself after some seconds.
     let mut is_told = false;
-    let pictures = wait_for("four pictures and the notice", 60.0, || {
+    let pictures = wait_for("four pictures and the notice", || {
         let shown = screen.picture(&window);
         if !is_told && shown.num_different(&before) > 1000 {
             shown.keep("screenshot-notice");
@@ -230,9 +229,9 @@ fn overlays_are_shown_in_the_window_and_saved_beside_the_eyes_images() {
     }
     // No overlay follows the last.
     screen.xdotool(&["key", "o"]);
-    wait_for("no overlay", 60.0, || (screen.picture(&window).num_different(&plain) < 200).then_some(()));
+    wait_for("no overlay", || (screen.picture(&window).num_different(&plain) < 200).then_some(()));
     screen.ask_to_close(&window);
-    assert_eq!(viewer.end().0, Some(0));
+    viewer.end().ok();
 }
 
 #[test]
@@ -245,7 +244,8 @@ fn the_window_mirrors_the_headset_and_validation_is_silent() {
     for overlay in ["none", "nodes", "overdraw"] {
         let overlay_set = format!("window.overlay={overlay}");
         let args = ["view", courtyard, "--headset", "require", "--window", "on", "--frames", "100"];
-        let args = [&args[..], &["--set", &overlay_set, "--set", "governor.enabled=false"]].concat();
+        let sets = ["--set", &overlay_set, "--set", "governor.enabled=false", "--set", "window.recent=false"];
+        let args = [&args[..], &sets].concat();
         let run = runtime.start(Path::new(PROGRAM), &args);
         let window = window(&screen);
         wait_lit(&screen, &window).keep(&format!("view-mirror-{overlay}"));

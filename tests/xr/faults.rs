@@ -1,6 +1,7 @@
 //! Whatever goes wrong ends with a plain sentence: no crash, no hang, nothing left behind.
 
-use crate::probe::{JOB, Job, PROBE_ARGS, last, this_program};
+use crate::probe::{JOB, Job, PROBE_ARGS, last};
+use kit::program::{self, this_program};
 use kit::xr::{Finished, RuntimeSlot};
 use std::os::unix::fs::PermissionsExt;
 
@@ -108,10 +109,8 @@ fn no_loader_is_told() {
     // A file of that name that is no library hides an installed loader.
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("libopenxr_loader.so.1"), "not a library").unwrap();
-    let mut command = Job::default().bare(&this_program());
-    let output = command.env("LD_LIBRARY_PATH", folder.path()).output().unwrap();
-    let lines: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_string).collect();
-    assert!(output.status.success(), "{lines:?}");
+    let output = program::run(Job::default().bare().env("LD_LIBRARY_PATH", folder.path())).ok();
+    let lines: Vec<String> = output.text().lines().map(str::to_string).collect();
     let missing = last(&lines, "missing").unwrap();
     assert!(missing.as_str().unwrap().contains("no OpenXR loader found: install it"), "{missing}");
 }

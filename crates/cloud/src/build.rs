@@ -1,8 +1,8 @@
-//! Scan to cloud: order, cut into batches, quantize; every step on all cores.
+//! Scan to flat cloud: sort, cut into batches, quantize; every step on all cores.
 
 use super::index::Index;
 use super::quantize::{Cells, planes};
-use super::{Batch, Cloud, GROUP_POINTS, Order, morton};
+use super::{Batch, Cloud, morton};
 use crate::format::{BATCH_POINTS, POINTS_PER_LOAD};
 use base::space::{Bounds, Split};
 use base::task::{Cancelled, Progress};
@@ -49,48 +49,43 @@ const MAX_POINTS: usize = 2_147_000_000;
 /// Longest edge of a cloud's box: readers accept coordinates up to [`FARTHEST`] to either side of the origin.
 const MAX_EDGE: f64 = 2.0 * FARTHEST;
 
-/// Orders the points of a scan, cuts them into batches and quantizes them.
+/// Morton code, with a further bit for strays, and number of a point in the scan.
+pub type CodedPoint = (u64, u32);
+
+/// Sorts the points of a scan by Morton code, cuts them into batches and quantizes them. Equal codes keep the files'
+/// order; strays come last.
 ///
 /// Peak memory above the scan: 16 B a point to sort, 16 B for the planes.
 ///
 /// # Errors
 /// See [`BuildError`].
-pub fn build(scan: &Scan, order: Order, progress: &Progress) -> Result<Cloud, BuildError> {
-    build_in_batches(scan, order, BATCH_POINTS, progress)
+pub fn build(scan: &Scan, progress: &Progress) -> Result<Cloud, BuildError> {
+    build_rearranged(scan, BATCH_POINTS, |_, _| {}, progress)
 }
 
 /// Builds a cloud as [`build`] does, in batches of `batch_points`, a multiple of [`POINTS_PER_LOAD`] and at most
-/// [`BATCH_POINTS`]: to measure what small batches cost.
+/// [`BATCH_POINTS`], after `rearrange` has brought the scene's points, and its strays, into another order.
 ///
 /// # Errors
 /// See [`BuildError`].
-pub fn build_in_batches(
+pub fn build_rearranged(
     scan: &Scan,
-    order: Order,
     batch_points: u32,
+    rearrange: impl FnOnce(&mut [CodedPoint], &mut [CodedPoint]),
     progress: &Progress,
 ) -> Result<Cloud, BuildError> {
     debug_assert!(batch_points.is_multiple_of(POINTS_PER_LOAD) && batch_points <= BATCH_POINTS);
     let Checked { num_points, bounds, scene } = check(scan)?;
     let index = Index::new(scan);
-    let has_strays = !scene.bounds.contains(bounds.min) || !scene.bounds.contains(bounds.max);
-    let sorted = match order {
-        Order::Original if !has_strays => None,
-        Order::Original => {
-            Some(parted(&index, &scene.bounds, (0..num_points as u32).into_par_iter().map(|i| (0, i))))
-        }
-        Order::Morton => Some(sort(&index, &bounds, &scene.bounds)),
-        Order::Shuffled => Some(parted(&index, &scene.bounds, shuffled(num_points).into_par_iter())),
-        Order::ShuffledMorton => Some(shuffled_groups(sort(&index, &bounds, &scene.bounds))),
-    };
+    let mut sorted = sort(&index, &bounds, &scene.bounds);
+    // A batch holds either points of the scene or strays: a box round both would be too large for the scene's
+    // precision.
+    let num_near = sorted.partition_point(|key| key.0 < FAR);
+    let (near, strays) = sorted.split_at_mut(num_near);
+    rearrange(near, strays);
     if progress.is_cancelled() {
         return Err(Cancelled.into());
     }
-    let source = |i: usize| sorted.as_ref().map_or(i, |s| s[i].1 as usize);
-
-    // A batch holds either points of the scene or strays: a box round both would be too large for the scene's
-    // precision.
-    let num_near = sorted.as_ref().map_or(num_points, |s| s.partition_point(|k| k.0 < FAR));
     let cut = BatchCut { size: batch_points as usize, num_near, num_points };
     let [mut hi, mut mid, mut lo, mut colors] = std::array::from_fn(|_| vec![0u32; cut.padded()]);
     let batches = cut
@@ -107,7 +102,7 @@ pub fn build_in_batches(
             positions.clear();
             let mut bounds = Bounds::EMPTY;
             for (i, color) in colors.iter_mut().take(count).enumerate() {
-                let (p, c) = index.point(source(first + i));
+                let (p, c) = index.point(sorted[first + i].1 as usize);
                 bounds = bounds.with(p);
                 positions.push(p);
                 *color = c;
@@ -154,48 +149,6 @@ pub(super) fn check(scan: &Scan) -> Result<Checked, BuildError> {
     }
     let scene = if scan.scene.is_empty() { Scene::of(scan).0 } else { scan.scene.clone() };
     Ok(Checked { num_points, bounds, scene })
-}
-
-/// Pairs (0 or [`FAR`], point) in the order given, except that strays come last.
-fn parted(
-    index: &Index,
-    scene: &Bounds,
-    in_order: impl ParallelIterator<Item = (u64, u32)>,
-) -> Vec<(u64, u32)> {
-    let place = |(_, i): (u64, u32)| (if scene.contains(index.position(i as usize)) { 0 } else { FAR }, i);
-    let (mut near, far): (Vec<_>, Vec<_>) = in_order.map(place).partition(|key| key.0 == 0);
-    near.extend(far);
-    near
-}
-
-/// A pseudo-random number, a different one for each `i`: splitmix64.
-fn scrambled(i: usize) -> u64 {
-    let z = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let z = (z ^ z >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ z >> 31
-}
-
-/// Pairs (random number, place) in ascending order.
-fn shuffled(count: usize) -> Vec<(u64, u32)> {
-    let mut keys: Vec<(u64, u32)> = (0..count).into_par_iter().map(|i| (scrambled(i), i as u32)).collect();
-    keys.par_sort_unstable();
-    keys
-}
-
-/// Shuffles sorted keys in groups of [`GROUP_POINTS`]. The last group, which may be smaller, stays last, and the strays
-/// follow it.
-fn shuffled_groups(sorted: Vec<(u64, u32)>) -> Vec<(u64, u32)> {
-    let num_near = sorted.partition_point(|key| key.0 < FAR);
-    let (whole, rest) = sorted.split_at(num_near / GROUP_POINTS * GROUP_POINTS);
-    let order = shuffled(whole.len() / GROUP_POINTS);
-    let groups = order.par_iter().flat_map_iter(|&(_, group)| {
-        let first = group as usize * GROUP_POINTS;
-        whole[first..first + GROUP_POINTS].iter().copied()
-    });
-    let mut all: Vec<(u64, u32)> = groups.collect();
-    all.extend_from_slice(rest);
-    all
 }
 
 /// How ordered points are cut into batches: the scene's come first, the strays' begin at the next multiple of
@@ -248,11 +201,11 @@ impl BatchCut {
 /// precision.
 pub(super) const FAR: u64 = 1 << (3 * morton::BITS);
 
-/// Pairs (Morton code, point) in ascending order, strays last; equal codes keep the files' order.
-pub(super) fn sort(index: &Index, bounds: &Bounds, scene: &Bounds) -> Vec<(u64, u32)> {
+/// Points by Morton code, strays last; equal codes keep the files' order.
+pub(super) fn sort(index: &Index, bounds: &Bounds, scene: &Bounds) -> Vec<CodedPoint> {
     let (near, far) = (morton::MortonGrid::new(scene), morton::MortonGrid::new(bounds));
     let code = |p| if scene.contains(p) { near.code(p) } else { FAR | far.code(p) };
-    let mut keys: Vec<(u64, u32)> = (0..index.num_points as u32)
+    let mut keys: Vec<CodedPoint> = (0..index.num_points as u32)
         .into_par_iter()
         .with_min_len(1 << 14)
         .map(|i| (code(index.position(i as usize)), i))

@@ -10,31 +10,11 @@ pub mod octree;
 pub mod quantize;
 pub mod spt;
 
-pub use build::{BuildError, build, build_in_batches};
+pub use build::{BuildError, CodedPoint, build, build_rearranged};
 
 use base::space::{Bounds, Split};
 use glam::DVec3;
 use points::Scene;
-
-/// Order of the points in a cloud.
-#[derive(
-    Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize, clap::ValueEnum,
-)]
-#[serde(rename_all = "kebab-case")]
-pub enum Order {
-    /// As the files have them.
-    Original,
-    /// By Morton code of 21 bits an axis; equal codes keep the file's order.
-    #[default]
-    Morton,
-    /// At random, always the same way.
-    Shuffled,
-    /// By Morton code within groups of 128 points, which come at random.
-    ShuffledMorton,
-}
-
-/// Points of a group of [`Order::ShuffledMorton`] [2021 §4].
-pub const GROUP_POINTS: usize = 128;
 
 /// A run of consecutive points and the box that they are quantized in.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,11 +1,12 @@
 //! Helpers of several tests: made-up clouds, and a frame drawn on the GPU and read back.
 
+use cloud::Cloud;
 use cloud::octree::{Octree, build_octree};
 use cloud::spt::{SequentialCloud, build_spt};
-use cloud::{Cloud, Order, build};
 use glam::{DQuat, DVec3};
+use lab::order::Order;
 use render::gpu::{Atomics, Gpu, QueueGuard, readback};
-use render::options::Quality;
+use render::options::{Dilate, Quality};
 
 use base::random::mix;
 use base::space::{Eye, Fov, Pose, View};
@@ -15,9 +16,10 @@ use lab::reference::resolve::EMPTY;
 use lab::synth::{self, SynthKind};
 use lab::technique::{LabTechnique, tree};
 use points::{Grid, Scan, ScanBuilder};
-use render::DrawOptions;
 use render::layout::{ALL_PLANES, CullCounters, Detail, EMPTY_DEPTH, Pixel, VisibleBatch, without_guard};
+use render::{Access, DrawOptions};
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, Targets, UploadError};
+use std::f64::consts::PI;
 use std::sync::{Arc, OnceLock};
 
 /// The GPU, opened once a test program.
@@ -73,13 +75,29 @@ pub fn scan_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3) -> Scan {
 }
 
 pub fn cloud_of(xyz: &[[i32; 3]], scale: f64, offset: DVec3, order: Order) -> Cloud {
-    build(&scan_of(xyz, scale, offset), order, &Progress::hidden()).expect("a cloud")
+    order.build(&scan_of(xyz, scale, offset), &Progress::hidden()).expect("a cloud")
+}
+
+/// Detail for tests: a point is always one pixel, and those of a node come all at once.
+pub const SAMPLE_DETAIL: Detail = Detail {
+    forced_planes: 0,
+    threshold_px: [100.0, 200.0, 300.0],
+    ring_rad: [20.0 * PI / 180.0, 38.0 * PI / 180.0],
+    smooth: false,
+    fade: false,
+    fill_reach_px: None,
+};
+
+/// Draw options for tests: `closest` quality, nothing dilated.
+pub fn sample_options() -> DrawOptions {
+    let (quality, dilate, access) = (Quality::Closest, Dilate::Off, Access::default());
+    DrawOptions { quality, dilate, background: [0; 3], detail: SAMPLE_DETAIL, access }
 }
 
 /// Draw options of `closest` quality, one pixel a point, background (1, 2, 3).
 pub fn plain(full_precision: bool) -> DrawOptions {
-    let detail = Detail { forced_planes: if full_precision { ALL_PLANES } else { 0 }, ..Detail::default() };
-    DrawOptions { background: [1, 2, 3], detail, ..DrawOptions::default() }
+    let detail = Detail { forced_planes: if full_precision { ALL_PLANES } else { 0 }, ..SAMPLE_DETAIL };
+    DrawOptions { background: [1, 2, 3], detail, ..sample_options() }
 }
 
 /// A frame, read back; pixels have an entry per eye.
@@ -106,7 +124,7 @@ pub struct Canvas {
 
 impl Canvas {
     pub fn new(sizes_px: &[[u32; 2]], options: DrawOptions, atomics: Atomics) -> Self {
-        Self::on(gpu(), sizes_px, options, atomics, LabTechnique::default())
+        Self::on(gpu(), sizes_px, options, atomics, LabTechnique::OWN)
     }
 
     /// A canvas on any device, by any technique.
@@ -127,7 +145,7 @@ impl Canvas {
 
     /// A canvas for a view, with a flat cloud.
     pub fn flat(cloud: &Cloud, view: &View, options: DrawOptions, chunk_limit: u64) -> Self {
-        Self::flat_by(LabTechnique::default(), cloud, view, options, chunk_limit)
+        Self::flat_by(LabTechnique::OWN, cloud, view, options, chunk_limit)
     }
 
     /// A canvas for a view, with a flat cloud, by any technique.
@@ -151,7 +169,7 @@ impl Canvas {
         atomics: Atomics,
         chunk_limit: u64,
     ) -> Self {
-        Self::layered_by(LabTechnique::default(), octree, view, options, atomics, chunk_limit)
+        Self::layered_by(LabTechnique::OWN, octree, view, options, atomics, chunk_limit)
     }
 
     /// A canvas for a view, with a layered cloud, by any technique.
@@ -347,11 +365,11 @@ pub fn spt_of(scan: &Scan, cull_backfaces: bool) -> SequentialCloud {
 
 /// Detail for discs, which have their own sizes.
 pub fn discs() -> Detail {
-    Detail { fill_reach_px: Some([1.0; 3]), ..Detail::default() }
+    Detail { fill_reach_px: Some([1.0; 3]), ..SAMPLE_DETAIL }
 }
 
 pub fn hqs(detail: Detail) -> DrawOptions {
-    DrawOptions { quality: Quality::Hqs, background: [1, 2, 3], detail, ..DrawOptions::default() }
+    DrawOptions { quality: Quality::Hqs, background: [1, 2, 3], detail, ..sample_options() }
 }
 
 /// Tiers that this machine's GPU has.

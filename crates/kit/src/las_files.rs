@@ -48,13 +48,7 @@ impl Fixture {
             y: Transform { scale: 0.01, offset: 4_000_000.0 },
             z: Transform { scale: 0.001, offset: 100.0 },
         };
-        let header = builder.into_header().unwrap();
-        let mut writer = Writer::new(Cursor::new(Vec::new()), header).unwrap();
-        for index in 0..self.num_points {
-            writer.write_point(self.point(index, &format)).unwrap();
-        }
-        writer.close().unwrap();
-        writer.into_inner().unwrap().into_inner()
+        las_bytes(builder, (0..self.num_points).map(|index| self.point(index, &format)))
     }
 
     fn point(&self, index: usize, format: &Format) -> Point {
@@ -78,6 +72,14 @@ impl Fixture {
             ..Default::default()
         }
     }
+}
+
+/// The bytes of a file with this header and these points.
+pub fn las_bytes(header: Builder, points: impl IntoIterator<Item = Point>) -> Vec<u8> {
+    let mut writer = Writer::new(Cursor::new(Vec::new()), header.into_header().unwrap()).unwrap();
+    points.into_iter().for_each(|point| writer.write_point(point).unwrap());
+    writer.close().unwrap();
+    writer.into_inner().unwrap().into_inner()
 }
 
 /// Writes `bytes` into a folder of its own; the file lives as long as the folder that is returned.

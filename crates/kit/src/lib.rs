@@ -6,6 +6,7 @@ pub mod frames;
 pub mod las_files;
 pub mod made_up;
 pub mod picture;
+pub mod program;
 pub mod quality;
 pub mod reading;
 pub mod real_scans;

@@ -17,5 +17,5 @@ pub fn file(path: &Path) -> Result<Scan, ScanError> {
 /// # Errors
 /// If a file is not there, or not to be read.
 pub fn files(paths: &[PathBuf]) -> Result<Scan, ScanError> {
-    read(paths, &ReadOptions::default(), &CancelToken::default())
+    read(paths, &ReadOptions::AS_FILES_SAY, &CancelToken::default())
 }

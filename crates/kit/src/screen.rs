@@ -66,7 +66,7 @@ impl Screen {
 
     /// X11's number of the window whose title matches, once it is there.
     pub fn wait_for_window(&self, title: &str) -> String {
-        wait_for("the window", 60.0, || {
+        wait_for("the window", || {
             let found = self.try_xdotool(&["search", "--onlyvisible", "--name", title])?;
             found.lines().next().map(str::to_string)
         })

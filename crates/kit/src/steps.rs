@@ -2,6 +2,7 @@
 //! print CSV rows.
 
 use crate::damage::peak_kib;
+use crate::program::this_program;
 use anyhow::{Result, ensure};
 use clap::Parser;
 use std::path::{Path, PathBuf};
@@ -52,7 +53,7 @@ pub fn run(
 /// # Errors
 /// If the step fails, with what it said.
 pub fn in_child(step: &str, path: &Path) -> Result<String> {
-    let output = Command::new(std::env::current_exe()?).args(["--step", step]).arg(path).output()?;
+    let output = Command::new(this_program()).args(["--step", step]).arg(path).output()?;
     ensure!(output.status.success(), "{step} failed: {}", String::from_utf8_lossy(&output.stderr));
     Ok(String::from_utf8(output.stdout)?.trim().to_owned())
 }

@@ -1,7 +1,9 @@
-//! Waiting for a condition that comes in its own time; tests set a limit far beyond that, and no pause.
+//! Waiting for a condition that comes in its own time. The limit is far beyond that, and the same for all.
 
 use std::time::{Duration, Instant};
 
+/// Seconds that nothing takes by far, on the slowest of machines: what is not there by then never comes.
+pub const LONGEST_S: f64 = 600.0;
 /// Longest pause between two looks.
 const LONGEST_PAUSE: Duration = Duration::from_millis(50);
 
@@ -22,8 +24,8 @@ pub fn retry<T, E>(seconds: f64, mut ask: impl FnMut() -> Result<T, E>) -> Resul
     }
 }
 
-/// Asks again and again until there is an answer; panics after `seconds`.
-pub fn wait_for<T>(what: &str, seconds: f64, mut ask: impl FnMut() -> Option<T>) -> T {
-    let answer = retry(seconds, || ask().ok_or(()));
-    answer.unwrap_or_else(|()| panic!("waited {seconds} s for {what}"))
+/// Asks again and again until there is an answer; panics after [`LONGEST_S`].
+pub fn wait_for<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
+    let answer = retry(LONGEST_S, || ask().ok_or(()));
+    answer.unwrap_or_else(|()| panic!("waited {LONGEST_S} s for {what}"))
 }

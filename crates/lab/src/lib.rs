@@ -3,7 +3,11 @@
 
 pub mod bench;
 mod hardware;
+mod options;
+pub mod order;
 pub mod reference;
 pub mod report;
 pub mod synth;
 pub mod technique;
+
+pub use options::{LabCloud, LabOptions, LodMethod};

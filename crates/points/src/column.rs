@@ -11,6 +11,14 @@ pub(crate) enum Number {
 }
 
 impl Number {
+    /// True if it is less than another number, which is told exactly of whole numbers.
+    pub(crate) fn is_less(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Whole(own), Self::Whole(other)) => own < other,
+            _ => self.as_f64() < other.as_f64(),
+        }
+    }
+
     /// The nearest float.
     pub(crate) fn as_f64(self) -> f64 {
         match self {
@@ -22,13 +30,25 @@ impl Number {
 
 /// A type whose values a column holds.
 pub(crate) trait Value: Copy + Default {
+    /// How many numbers a value has.
+    const PARTS: usize;
+
     /// The value nearest to a number. NaN becomes 0 in a type that has no NaN.
     fn of(number: Number) -> Self;
+
+    /// The number of a part, less than [`PARTS`](Self::PARTS).
+    fn part(self, part: usize) -> Number;
 }
 
 macro_rules! whole_numbers {
     ($($value:ty),*) => {$(
         impl Value for $value {
+            const PARTS: usize = 1;
+
+            fn part(self, _: usize) -> Number {
+                Number::Whole(self.into())
+            }
+
             fn of(number: Number) -> Self {
                 match number {
                     // The cast is exact, because the number is clamped to the type's range.
@@ -44,6 +64,12 @@ whole_numbers!(u8, i8, u16, i16, u32, i32, u64, i64);
 macro_rules! floats {
     ($($value:ty),*) => {$(
         impl Value for $value {
+            const PARTS: usize = 1;
+
+            fn part(self, _: usize) -> Number {
+                Number::Float(self.into())
+            }
+
             fn of(number: Number) -> Self {
                 match number {
                     Number::Whole(whole) => whole as $value,
@@ -56,6 +82,12 @@ macro_rules! floats {
 floats!(f32, f64);
 
 impl<T: Value> Value for [T; 3] {
+    const PARTS: usize = 3;
+
+    fn part(self, part: usize) -> Number {
+        self[part].part(0)
+    }
+
     fn of(number: Number) -> Self {
         [T::of(number); 3]
     }
@@ -70,6 +102,16 @@ macro_rules! columns {
             /// Yes or no.
             Bool,
             $($(#[$doc])* $name,)*
+        }
+
+        impl Type {
+            /// Numbers that a value has: three of a color, one of most.
+            pub(crate) fn num_parts(self) -> usize {
+                match self {
+                    Self::Bool => 1,
+                    $(Self::$name => <$value as Value>::PARTS,)*
+                }
+            }
         }
 
         /// The values of an attribute, one a point.
@@ -104,6 +146,22 @@ macro_rules! columns {
                 match self {
                     Self::Bool(_) => Type::Bool,
                     $(Self::$name(_) => Type::$name,)*
+                }
+            }
+
+            /// Calls `take` with one part of each value, of a column of `len` points.
+            pub(crate) fn each(&self, part: usize, len: usize, mut take: impl FnMut(Number)) {
+                match self {
+                    Self::Bool(marks) => (0..len).for_each(|number| take(Number::Whole(marks.get(number).into()))),
+                    $(Self::$name(values) => values.iter().for_each(|value| take(value.part(part))),)*
+                }
+            }
+
+            /// Number of its values; `None` for marks, which end with the last that is marked.
+            pub(crate) fn num_values(&self) -> Option<usize> {
+                match self {
+                    Self::Bool(_) => None,
+                    $(Self::$name(values) => Some(values.len()),)*
                 }
             }
 
@@ -160,12 +218,13 @@ macro_rules! columns {
                 }
             }
 
-            /// Appends later values of the same attribute to the `len` values that are here already.
+            /// Appends later values of the same attribute to the `len` values that are here already. Values of another type
+            /// are not taken in: the column is too short then, which is an error where its block is handed over.
             pub(crate) fn append(&mut self, later: Self, len: usize) {
                 match (self, later) {
                     (Self::Bool(marks), Self::Bool(later)) => marks.append(&later, len),
                     $((Self::$name(values), Self::$name(mut later)) => values.append(&mut later),)*
-                    (column, later) => debug_assert_eq!(column.kind(), later.kind(), "one attribute, one type"),
+                    _ => {}
                 }
             }
 
@@ -209,6 +268,14 @@ columns! {
     U16x3: [u16; 3],
     /// Three floats of 32 bits: a direction.
     F32x3: [f32; 3],
+}
+
+impl Type {
+    /// Name for people and programs: "u16", "f32x3".
+    #[must_use]
+    pub fn name(self) -> String {
+        format!("{self:?}").to_lowercase()
+    }
 }
 
 impl ColumnPart<'_> {

@@ -1,6 +1,6 @@
 //! What can go wrong with a file; every message names the file, the place in it, and what to do.
 
-use crate::{Attribute, Type, format_names};
+use crate::{Attribute, Type, format_endings, format_names};
 use base::task::Cancelled;
 use base::words::advice;
 use std::io;
@@ -43,7 +43,7 @@ pub enum ScanError {
         /// "a folder".
         kind: &'static str,
         /// What to do.
-        advice: &'static str,
+        advice: String,
     },
     /// The file is of no format that can be read.
     #[error(
@@ -117,7 +117,7 @@ pub enum ScanError {
         /// Its largest coordinate.
         farthest: f64,
     },
-    /// The reader of the file's format hands over a column that nobody takes.
+    /// The reader of the file's format hands over a column that its schema does not have, or that nobody takes.
     #[error(
         "{path}: its reader hands over {attribute:?} as {kind:?}, which is a fault of scanwalk: report it, or write the \
          file anew with another program",
@@ -178,7 +178,8 @@ impl ScanError {
 
     /// A folder that is no scan.
     pub(crate) fn folder(path: &Path) -> Self {
-        let advice = "name the files in it (for example FOLDER/*.laz)";
+        let example = format_endings().next().map(|ending| format!(" (for example FOLDER/*.{ending})"));
+        let advice = format!("name the files in it{}", example.unwrap_or_default());
         Self::NotAFile { path: path.to_owned(), kind: "a folder", advice }
     }
 

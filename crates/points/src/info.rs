@@ -1,5 +1,9 @@
 //! `scanwalk info`: what is in the files, for people or as JSON.
 
+mod attributes;
+
+pub use attributes::attributes_text;
+
 use super::{
     Blank, ColorSource, FARTHEST, Header, InFile, ReadOptions, Scan, ScanError, ScanFile, UpAxis,
     WorldFromFile, read, unit,
@@ -12,9 +16,6 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// Part of the format's name in files of splats.
-const SPLAT: &str = "Gaussian splat";
-
 /// What `--json` prints; the names are a contract.
 #[derive(Debug, Serialize)]
 struct Description {
@@ -22,6 +23,7 @@ struct Description {
     bbox: [[f64; 3]; 2],
     format: String,
     attributes: Vec<String>,
+    not_read: Vec<String>,
     color_bits: Option<u8>,
     color_white: Option<u16>,
     normals: bool,
@@ -80,7 +82,8 @@ fn describe(scan: &Scan, headers: &[Header]) -> Description {
         points: scan.num_points(),
         bbox: bbox(scan.bounds_in_file()),
         format: distinct(headers.iter().map(|header| header.format.clone())).join("; "),
-        attributes: distinct(headers.iter().flat_map(|header| header.attributes.clone())),
+        attributes: distinct(headers.iter().flat_map(Header::attributes)),
+        not_read: attributes::not_read(headers),
         color_bits: white.map(|white| if white == 255 { 8 } else { 16 }),
         color_white: white,
         normals: scan.files.iter().any(|file| !file.points.normals.is_empty()),
@@ -123,7 +126,7 @@ fn asides((file, header): (&ScanFile, &Header)) -> Vec<String> {
         ));
     }
     let stands_as_stored = matches!(file.world_from_file, WorldFromFile::Axes { up: UpAxis::Z, .. });
-    if header.format.contains(SPLAT) && header.up.is_none() && stands_as_stored {
+    if header.is_splats && header.up.is_none() && stands_as_stored {
         sentences.push(format!(
             "{path}: most programs train splats in coordinates whose y points down: if it lies on its side, \
              --set cloud.up=-y stands it upright"
@@ -163,6 +166,7 @@ fn for_people(scan: &Scan, headers: &[Header]) -> String {
     }
     lines.push(("format", described.format));
     lines.push(("attributes", described.attributes.join(", ")));
+    lines.push(("not read", described.not_read.join(", ")));
     lines.push(("color", distinct(scan.files.iter().map(color_words)).join("; ")));
     lines.push(("normals", if described.normals { "yes".into() } else { String::new() }));
     let triangles = (described.triangles > 0).then(|| grouped(described.triangles));
@@ -311,7 +315,7 @@ mod tests {
         let scan = made.rgb(vec![[300, 0, 0]; 2]).color(ColorSource::Rgb16).scan().with_scene();
         let json = serde_json::to_value(describe(&scan, &[])).unwrap();
         let expected = serde_json::json!({
-            "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [],
+            "points": 2, "bbox": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "format": "", "attributes": [], "not_read": [],
             "color_bits": 16, "color_white": 65535, "normals": false, "triangles": 0, "crs": null, "unit_m": null,
             "vertical_unit_m": null, "up": "z", "warnings": [],
             "scene": [[-0.5, 0.0, 1.5], [0.5, 1.0, 4.5]], "withheld": 0, "noise": 0,

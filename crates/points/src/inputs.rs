@@ -1,16 +1,17 @@
 //! Chooses which of the named files are read: each once, and no sidecars.
 
 use super::ScanError;
+use super::formats::sidecar_endings;
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::hash::Hash;
 use std::path::{Path, PathBuf};
 
-/// Endings of files that lie beside scans and hold no points: spatial indexes, coordinate systems, world files,
-/// statistics, and what other programs keep of tables of tiles.
-const SIDECARS: [&str; 21] = [
-    "lax", "lasx", "lasd", "index", "idx", "copc", "prj", "wkt", "tfw", "jgw", "pgw", "wld", "xml", "ovr",
-    "shp", "shx", "dbf", "cpg", "qix", "sbn", "sbx",
+/// Endings of files that lie beside scans of any format and hold no points: indexes, coordinate systems, world files,
+/// statistics, and tables of tiles. Formats know those that lie beside their own files.
+const SIDECARS: [&str; 17] = [
+    "index", "idx", "prj", "wkt", "tfw", "jgw", "pgw", "wld", "xml", "ovr", "shp", "shx", "dbf", "cpg",
+    "qix", "sbn", "sbx",
 ];
 /// Most names that a sentence gives before it counts the rest.
 const MOST_NAMED: usize = 3;
@@ -51,7 +52,7 @@ pub(super) fn choose(named: &[PathBuf]) -> Result<Inputs, ScanError> {
 
 fn is_sidecar(path: &Path) -> bool {
     let ending = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
-    ending.is_some_and(|ending| SIDECARS.contains(&ending.as_str()))
+    ending.is_some_and(|ending| SIDECARS.into_iter().chain(sidecar_endings()).any(|known| known == ending))
 }
 
 /// Names of files in a sentence: "a.lax, b.lax, c.lax and 4 more".

@@ -29,6 +29,7 @@ mod scene;
 mod schema;
 mod source;
 mod stats;
+mod tally;
 mod uncolored;
 mod unit;
 mod up;
@@ -109,7 +110,7 @@ pub struct InFile {
 }
 
 /// How files are read: what a user may say of them that they do not say themselves.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
     /// Axis of the files that points up.
     pub up: Up,
@@ -123,6 +124,18 @@ pub struct ReadOptions {
     pub strict: bool,
     /// True if points that are withheld, which means deleted, are read too.
     pub show_withheld: bool,
+}
+
+impl ReadOptions {
+    /// Files are taken for what they say of themselves. The settings begin with it.
+    pub const AS_FILES_SAY: Self = Self {
+        up: Up::Auto,
+        unit: Unit::Auto,
+        vertical_unit: Unit::Auto,
+        project: Project::Auto,
+        strict: false,
+        show_withheld: false,
+    };
 }
 
 /// Several files as one cloud.
@@ -183,8 +196,12 @@ pub struct Header {
     pub format: String,
     /// Points that are to be expected; only [`read()`] knows how many there are.
     pub num_points: u64,
-    /// Names of the attributes that are stored for each point beside its place.
-    pub attributes: Vec<String>,
+    /// What is stored for each point beside its place.
+    pub schema: Schema,
+    /// What the file has beside points, in words: "faces: 2".
+    pub parts: Vec<String>,
+    /// True if its points are the middles of Gaussian splats.
+    pub is_splats: bool,
     /// Coordinate reference system.
     pub crs: Option<String>,
     /// Meters per unit of x and y.
@@ -203,6 +220,14 @@ pub struct Header {
     pub created: Option<String>,
     /// Sentences about what was odd, whose subject is the file.
     pub warnings: Vec<String>,
+}
+
+impl Header {
+    /// Names of what the file has, for a short list: attributes of its points, and what there is beside points.
+    #[must_use]
+    pub fn attributes(&self) -> Vec<String> {
+        self.schema.names().into_iter().chain(self.parts.iter().cloned()).collect()
+    }
 }
 
 /// Largest coordinate that is read: far larger than any planet, and f32 still holds its square.

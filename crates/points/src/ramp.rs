@@ -1,5 +1,6 @@
 //! Turns values into 8-bit colors: by a white, or through the ramp for points without a color.
 
+use base::srgb::srgb_from_linear;
 use std::sync::LazyLock;
 
 /// round(c · 255 / white), in integers: no white here is even, so no tie exists. Values above the white become white.
@@ -41,11 +42,7 @@ fn srgb_of_oklab(lightness: f64, a: f64, b: f64) -> [u8; 3] {
         -1.268_438_004_6 * l + 2.609_757_401_1 * m - 0.341_319_396_5 * s,
         -0.004_196_086_3 * l - 0.703_418_614_7 * m + 1.707_614_701_0 * s,
     ];
-    linear.map(|c| {
-        let c = c.clamp(0.0, 1.0);
-        let encoded = if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
-        (encoded * 255.0).round() as u8
-    })
+    linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0).round() as u8)
 }
 
 #[cfg(test)]

@@ -40,7 +40,39 @@ pub(super) fn read_with_headers(
     options: &ReadOptions,
     task: impl Into<Task>,
 ) -> Result<(Scan, Vec<Header>), ScanError> {
-    let Inputs { paths, remarks } = inputs::choose(paths)?;
+    let read = |path: &Path, progress: &Progress| file(path, options, progress);
+    let FilesRead { files, remarks, failures } = each(paths, options, task, read)?;
+    let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
+    for file in files {
+        headers.push(file.header.clone());
+        add(&mut scan, file, options.show_withheld);
+    }
+    scan.warnings.extend(failures);
+    name_system(&mut scan, &headers);
+    world::place(&mut scan, &headers, options);
+    uncolored::settle(&mut scan);
+    let mut scan = scan.with_scene();
+    scan.files.iter_mut().for_each(uncolored::find_grays);
+    Ok((scan, headers))
+}
+
+/// What was read of each of some files.
+pub(super) struct FilesRead<T> {
+    pub files: Vec<T>,
+    /// Sentences about files that were named and not chosen.
+    pub remarks: Vec<String>,
+    /// Sentences about files of which nothing can be read.
+    pub failures: Vec<String>,
+}
+
+/// Reads the named files in turn, each by `read`, once the headers of all were checked.
+pub(super) fn each<T>(
+    named: &[PathBuf],
+    options: &ReadOptions,
+    task: impl Into<Task>,
+    read: impl Fn(&Path, &Progress) -> Result<T, ScanError>,
+) -> Result<FilesRead<T>, ScanError> {
+    let Inputs { paths, remarks } = inputs::choose(named)?;
     let mut failures = Failures { strict: options.strict, errors: Vec::new() };
     let mut announced = Vec::new();
     for path in &paths {
@@ -49,21 +81,13 @@ pub(super) fn read_with_headers(
     }
     let expected = announced.iter().fold(0u64, |sum, (_, num_points)| sum.saturating_add(*num_points));
     let progress = task.into().begin("reading", "points", expected);
-    let (mut scan, mut headers) = (Scan { warnings: remarks, ..Scan::default() }, Vec::new());
+    let mut files = Vec::new();
     for (path, _) in announced {
         // The file is opened again, because the system allows fewer open files than a scan may have.
-        if let Some(file) = failures.sort(file(path, options, &progress))? {
-            headers.push(file.header.clone());
-            add(&mut scan, file, options.show_withheld);
-        }
+        files.extend(failures.sort(read(path, &progress))?);
     }
-    scan.warnings.extend(failures.warnings(headers.is_empty())?);
-    name_system(&mut scan, &headers);
-    world::place(&mut scan, &headers, options);
-    uncolored::settle(&mut scan);
-    let mut scan = scan.with_scene();
-    scan.files.iter_mut().for_each(uncolored::find_grays);
-    Ok((scan, headers))
+    let failures = failures.warnings(files.is_empty())?;
+    Ok(FilesRead { files, remarks, failures })
 }
 
 /// Files of which nothing can be read.
@@ -102,6 +126,8 @@ struct ReadFile {
     header: Header,
     collected: Collected,
     trailer: Trailer,
+    /// What was odd, as sentences that name the file.
+    sentences: Vec<String>,
 }
 
 /// Reads all that the walk wants of a file.
@@ -126,23 +152,34 @@ fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<ReadF
         return Err(ScanError::NoPoints { path: path.to_owned(), reason });
     }
     within_reach(path, &collected)?;
+    let header = dataset.header().clone();
+    let sentences = sentences(&header, &trailer, options.strict)?;
+    Ok(ReadFile { header, collected, trailer, sentences })
+}
+
+/// What a file's header and its end say that is odd, as sentences that name the file.
+///
+/// # Errors
+/// A part of the file could not be read, and the user is strict.
+pub(super) fn sentences(header: &Header, trailer: &Trailer, strict: bool) -> Result<Vec<String>, ScanError> {
     match trailer.losses.first() {
-        Some(loss) if options.strict => {
-            Err(ScanError::Incomplete { path: path.to_owned(), loss: loss.clone() })
+        Some(loss) if strict => {
+            return Err(ScanError::Incomplete { path: header.path.clone(), loss: loss.clone() });
         }
-        _ => Ok(ReadFile { header: dataset.header().clone(), collected, trailer }),
+        _ => {}
     }
+    let losses = trailer.losses.iter().map(|loss| format!("{loss}; get or export it again"));
+    let sentences = header.warnings.iter().cloned().chain(losses).chain(trailer.warnings.iter().cloned());
+    Ok(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())).collect())
 }
 
 fn add(scan: &mut Scan, file: ReadFile, show_withheld: bool) {
-    let ReadFile { header, collected, trailer } = file;
+    let ReadFile { header, collected, trailer, sentences } = file;
     let bounds = bounds(&collected);
     let Collected { grid, points, stats } = collected;
     let ColorChoice { coloring, sentences: of_colors } = color::choose(&stats, &points.rgb, trailer.white);
-    let losses: Vec<String> =
-        trailer.losses.iter().map(|loss| format!("{loss}; get or export it again")).collect();
-    let sentences = header.warnings.iter().chain(&losses).chain(&trailer.warnings).chain(&of_colors);
-    scan.warnings.extend(sentences.map(|sentence| format!("{}: {sentence}", header.path.display())));
+    let of_colors = of_colors.iter().map(|sentence| format!("{}: {sentence}", header.path.display()));
+    scan.warnings.extend(sentences.into_iter().chain(of_colors));
     let num_withheld = points.num_withheld;
     if num_withheld > 0 && !show_withheld {
         let path = header.path.display();

@@ -1,6 +1,7 @@
 //! What a file stores for each point beside its place: attributes, their types, and which of them are wanted.
 
 use crate::column::Type;
+use std::borrow::Cow;
 
 /// What a value says of its point, whatever the format calls it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -51,7 +52,7 @@ pub enum Attribute {
     Named(String),
 }
 
-/// The parts of a reference to a pulse's waveform [LAS 1.4 R15, table 12].
+/// The parts of a reference to a pulse's waveform [LAS, table 12].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Waveform {
     /// Number of the waveform's description; 0 where there is none.
@@ -67,23 +68,44 @@ pub enum Waveform {
 }
 
 impl Attribute {
-    /// Name in lists for people and programs. Attributes that belong together share a name; flags have none.
+    /// Name for people and programs, which no other attribute has.
     #[must_use]
-    pub fn listed_as(&self) -> Option<&str> {
-        Some(match self {
+    pub fn name(&self) -> Cow<'static, str> {
+        Cow::Borrowed(match self {
             Self::Color => "rgb",
             Self::Intensity => "intensity",
             Self::Normal => "normals",
             Self::NearInfrared => "nir",
             Self::Opacity => "opacity",
-            Self::ReturnNumber | Self::NumReturns => "returns",
+            Self::ReturnNumber => "return_number",
+            Self::NumReturns => "number_of_returns",
             Self::Classification => "classification",
+            Self::Synthetic => "synthetic",
+            Self::KeyPoint => "key_point",
+            Self::Withheld => "withheld",
+            Self::Overlap => "overlap",
+            Self::Noise => "noise",
+            Self::ScannerChannel => "scanner_channel",
+            Self::ScanDirection => "scan_direction",
+            Self::EdgeOfFlightLine => "edge_of_flight_line",
             Self::ScanAngle => "scan_angle",
             Self::UserData => "user_data",
             Self::SourceId => "point_source_id",
             Self::GpsTime => "gps_time",
-            Self::Waveform(_) => "waveform",
-            Self::Named(name) => name,
+            Self::Waveform(Waveform::Description) => "waveform_description",
+            Self::Waveform(Waveform::Offset) => "waveform_offset",
+            Self::Waveform(Waveform::Size) => "waveform_size",
+            Self::Waveform(Waveform::Location) => "waveform_location",
+            Self::Waveform(Waveform::Direction) => "waveform_direction",
+            Self::Named(name) => return Cow::Owned(format!("extra:{name}")),
+        })
+    }
+
+    /// Name in short lists. Attributes that belong together share one; flags have none.
+    fn listed_as(&self) -> Option<Cow<'static, str>> {
+        match self {
+            Self::ReturnNumber | Self::NumReturns => Some(Cow::Borrowed("returns")),
+            Self::Waveform(_) => Some(Cow::Borrowed("waveform")),
             Self::Synthetic
             | Self::KeyPoint
             | Self::Withheld
@@ -91,8 +113,9 @@ impl Attribute {
             | Self::Noise
             | Self::ScannerChannel
             | Self::ScanDirection
-            | Self::EdgeOfFlightLine => return None,
-        })
+            | Self::EdgeOfFlightLine => None,
+            _ => Some(self.name()),
+        }
     }
 }
 
@@ -109,13 +132,16 @@ pub struct Field {
     pub offset: f64,
     /// The stored value that stands for none, where the file states one.
     pub no_data: Option<f64>,
+    /// True if short lists pass over it: another attribute has its values in the form that all files share, or it is one
+    /// of dozens that make up a splat.
+    pub is_detail: bool,
 }
 
 impl Field {
     /// A field whose stored values need no scale and no offset.
     #[must_use]
     pub fn plain(attribute: Attribute, kind: Type) -> Self {
-        Self { attribute, kind, scale: 1.0, offset: 0.0, no_data: None }
+        Self { attribute, kind, scale: 1.0, offset: 0.0, no_data: None, is_detail: false }
     }
 }
 
@@ -124,6 +150,9 @@ impl Field {
 pub struct Schema {
     /// Fields in the order in which the format lists them.
     pub fields: Vec<Field>,
+    /// The file's names for what it stores for each point beside that and no column can hold: lists, bytes of unknown
+    /// meaning.
+    pub unread: Vec<String>,
 }
 
 impl Schema {
@@ -134,18 +163,24 @@ impl Schema {
         self.fields.iter().find(|field| field.attribute == *attribute)
     }
 
-    /// Names of the attributes that all files call the same, each once.
-    pub(crate) fn standard_names(&self) -> Vec<String> {
+    /// Names of the attributes for a short list, each once.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
         let mut names: Vec<String> = Vec::new();
-        for field in &self.fields {
-            if let (false, Some(name)) =
-                (matches!(field.attribute, Attribute::Named(_)), field.attribute.listed_as())
-                && !names.iter().any(|other| other == name)
+        for field in self.fields.iter().filter(|field| !field.is_detail) {
+            if let Some(name) = field.attribute.listed_as()
+                && !names.iter().any(|other| *other == name)
             {
-                names.push(name.to_owned());
+                names.push(name.into_owned());
             }
         }
         names
+    }
+
+    /// All attributes.
+    #[must_use]
+    pub fn projection(&self) -> Projection {
+        Projection::of(self.fields.iter().map(|field| field.attribute.clone()))
     }
 }
 
@@ -155,12 +190,13 @@ impl Schema {
 pub struct Projection {
     attributes: Vec<Attribute>,
     block_points: usize,
+    triangles: bool,
 }
 
 impl Projection {
     /// These attributes in blocks as large as the format likes: of all points, if that is the quickest way to have all.
     pub fn of(attributes: impl IntoIterator<Item = Attribute>) -> Self {
-        Self { attributes: attributes.into_iter().collect(), block_points: usize::MAX }
+        Self { attributes: attributes.into_iter().collect(), block_points: usize::MAX, triangles: true }
     }
 
     /// Asks for blocks of about this many points, so that no more points need be in memory at once. A format makes
@@ -168,6 +204,18 @@ impl Projection {
     #[must_use]
     pub fn in_blocks_of(self, block_points: usize) -> Self {
         Self { block_points: block_points.max(1), ..self }
+    }
+
+    /// Asks for no triangles, which a format could only hand over all together.
+    #[must_use]
+    pub fn without_triangles(self) -> Self {
+        Self { triangles: false, ..self }
+    }
+
+    /// True if triangles are wanted.
+    #[must_use]
+    pub fn wants_triangles(&self) -> bool {
+        self.triangles
     }
 
     /// True if an attribute is wanted.

@@ -29,7 +29,7 @@ impl Source {
         let metadata = match std::fs::metadata(path) {
             // A pattern such as *.laz finds the link all the same.
             Err(error) if error.kind() == ErrorKind::NotFound && path.is_symlink() => {
-                let advice = "it may have been moved or renamed";
+                let advice = "it may have been moved or renamed".into();
                 return Err(ScanError::NotAFile { path: path.to_owned(), kind: DANGLING, advice });
             }
             found => found.map_err(fail)?,
@@ -38,7 +38,7 @@ impl Source {
             return Err(ScanError::folder(path));
         }
         if !metadata.is_file() {
-            let advice = "save it as a file first";
+            let advice = "save it as a file first".into();
             return Err(ScanError::NotAFile { path: path.to_owned(), kind: "a pipe or device", advice });
         }
         let file = File::open(path).map_err(fail)?;

@@ -22,13 +22,6 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// The unit that the file states, and all that have names.
-    #[must_use]
-    pub fn choices() -> Vec<(&'static str, Self)> {
-        let named = NAMED.iter().map(|&(name, meters)| (name, Self::Meters(meters)));
-        std::iter::once((AUTO, Self::Auto)).chain(named).collect()
-    }
-
     /// Meters of one unit, if the user says so.
     #[must_use]
     pub fn meters(self) -> Option<f64> {

@@ -20,19 +20,18 @@ const MOST_SAMPLES: usize = 1 << 14;
 /// Points that are a task for a core.
 const BLOCK: usize = 1 << 16;
 
-/// Which files are put from the earth onto axes east, north and up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Project {
-    /// Files whose coordinate system says so, and files without one whose coordinates leave no doubt.
-    #[default]
-    Auto,
-    /// No files: coordinates are drawn as they are.
-    Off,
-    /// All files: x and y are longitude and latitude in degrees, whatever the files say.
-    Degrees,
-    /// All files: x, y and z are lengths from the earth's center, whatever the files say.
-    Geocentric,
+base::choice! {
+    /// Which files are put from the earth onto axes east, north and up.
+    pub enum Project {
+        /// Files whose coordinate system says so, and files without one whose coordinates leave no doubt.
+        Auto = "auto",
+        /// No files, and coordinates are drawn as they are.
+        Off = "off",
+        /// All files, with x and y as longitude and latitude in degrees, whatever the files say.
+        Degrees = "degrees",
+        /// All files, with x, y and z as lengths from the earth's center, whatever the files say.
+        Geocentric = "geocentric",
+    }
 }
 
 /// How a file's coordinates become those of the world.

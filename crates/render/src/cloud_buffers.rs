@@ -127,6 +127,11 @@ impl CloudBuffers {
         self.besides.iter().find(|(own, _)| *own == name).map(|(_, buffer)| buffer)
     }
 
+    /// True if it has a buffer of this name for a technique's shaders, in each of its chunks if it is a column.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.besides(name).is_some() || self.chunks.iter().all(|chunk| chunk.column(name).is_some())
+    }
+
     /// Points that are resident.
     #[must_use]
     pub fn num_resident(&self) -> u64 {

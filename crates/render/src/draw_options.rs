@@ -26,7 +26,7 @@ impl Default for Access {
 }
 
 /// What a frame is to look like.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawOptions {
     /// What a pixel shows of the points in it.
     pub quality: Quality,

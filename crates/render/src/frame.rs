@@ -10,6 +10,7 @@ use crate::layout::{
 use crate::options::Quality;
 use crate::scenery::{SceneryView, Shapes};
 use base::space::View;
+use base::srgb::linear_of_step;
 use timing::{STAGES, StageMs};
 
 /// Places of the stages in [`STAGES`], and of their times.
@@ -283,7 +284,7 @@ impl Renderer {
         image: &EyeImage,
         [is_first, is_last]: [bool; 2],
     ) {
-        let [r, g, b] = self.options.background.map(linear_from_srgb);
+        let [r, g, b] = self.options.background.map(linear_of_step);
         let load = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 });
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(STAGES[RESOLVE]),
@@ -343,10 +344,4 @@ impl Renderer {
 fn infinitely_far(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
     let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
     wgpu::RenderPassDepthStencilAttachment { view, depth_ops: Some(ops), stencil_ops: None }
-}
-
-/// The value that an sRGB image encodes back to `c`.
-pub(super) fn linear_from_srgb(c: u8) -> f64 {
-    let c = f64::from(c) / 255.0;
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }

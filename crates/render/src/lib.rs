@@ -28,7 +28,7 @@ pub use drawn_part::tiles;
 pub use frame::{EyeImage, FrameTimes, IMAGE_USAGES};
 pub use groups::Parts;
 pub use overlay::Overlays;
-pub use renderer::{Renderer, Setup};
+pub use renderer::{Renderer, RendererError, Setup};
 pub use targets::{TargetTooLarge, Targets, fitting_px};
 pub use tier::{NoSuchTier, tier};
 pub use upload::{CloudUpload, UploadError, Whole};

@@ -6,7 +6,7 @@ use crate::cloud_buffers::CloudBuffers;
 use crate::draw_options::Access;
 use crate::frame::DEPTH;
 use crate::gpu::Gpu;
-use crate::gpu::stage::Stage;
+use crate::gpu::stage::{ShaderError, Stage};
 use crate::gpu::timer::Timer;
 use crate::groups::{ClearedTarget, Parts};
 use crate::layout::Variant;
@@ -79,15 +79,16 @@ pub(super) struct Closest {
 }
 
 impl Closest {
-    pub fn new(gpu: &Gpu, variant: Variant, access: Access) -> Self {
-        Self {
-            depth: Stage::of(gpu, shaders::DEPTH, variant, access),
-            ids: (!variant.keys).then(|| Stage::of(gpu, shaders::IDS, variant, access)),
-            shade: Stage::of(gpu, shaders::SHADE, variant, access),
+    pub fn new(gpu: &Gpu, variant: Variant, access: Access, others: &[&str]) -> Result<Self, ShaderError> {
+        let geometry = |shader| Stage::of(gpu, shader, variant, access, others);
+        Ok(Self {
+            depth: geometry(shaders::DEPTH)?,
+            ids: (!variant.keys).then(|| geometry(shaders::IDS)).transpose()?,
+            shade: Stage::of(gpu, shaders::SHADE, variant, access, others)?,
             depth_groups: vec![],
             ids_groups: vec![],
             shade_groups: vec![],
-        }
+        })
     }
 }
 

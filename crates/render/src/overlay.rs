@@ -9,7 +9,7 @@ use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{self, CloudSet, OfCloud, OfOverlay};
 use crate::gpu::Gpu;
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::Bindings;
+use crate::gpu::stage::{Bindings, ShaderError};
 use crate::layout::{COUNTERS_STRIDE, CullCounters, DilateUniform, Sums, Variant};
 use crate::options::{Overlay, Quality};
 use std::num::NonZeroU64;
@@ -54,8 +54,10 @@ type Draw = (wgpu::BindGroup, u32);
 
 impl Overlays {
     /// Overlays for copies of the images that `renderer` draws.
-    #[must_use]
-    pub fn new(renderer: &Renderer) -> Self {
+    ///
+    /// # Errors
+    /// If a shader of theirs cannot be used.
+    pub fn new(renderer: &Renderer) -> Result<Self, ShaderError> {
         let (gpu, format) = (&*renderer.gpu, renderer.setup.color_format);
         let pass = |shader: ShaderOfSet<_>, sums, entries| {
             let wgsl = shader.source(Variant { sums, ..Variant::eyes(2) });
@@ -72,15 +74,15 @@ impl Overlays {
             })
         };
         let forms = renderer.pipelines.hqs.iter().map(|hqs| hqs.sums);
-        Self {
-            rings: whole("rings", Sums::Packed),
-            depth: whole("depth", Sums::Packed),
-            overdraw: forms.map(|sums| (sums, whole("overdraw", sums))).collect(),
-            nodes: boxes("node_box"),
-            batches: boxes("batch_box"),
+        Ok(Self {
+            rings: whole("rings", Sums::Packed)?,
+            depth: whole("depth", Sums::Packed)?,
+            overdraw: forms.map(|sums| Ok((sums, whole("overdraw", sums)?))).collect::<Result<_, _>>()?,
+            nodes: boxes("node_box")?,
+            batches: boxes("batch_box")?,
             eyes: [eye(0), eye(1)],
             bound: None,
-        }
+        })
     }
 
     /// Lets go of the renderer's buffers, until the next [`Self::record`].
@@ -204,7 +206,8 @@ impl OverlayPass {
         wgsl: &str,
         [vertex, fragment]: [&str; 2],
         format: wgpu::TextureFormat,
-    ) -> Self {
+    ) -> Result<Self, ShaderError> {
+        let bindings = Bindings::of(name, wgsl, vertex, &[])?.with(Bindings::of(name, wgsl, fragment, &[])?);
         let target = wgpu::ColorTargetState {
             format,
             blend: Some(wgpu::BlendState::ALPHA_BLENDING),
@@ -214,7 +217,6 @@ impl OverlayPass {
         let pipeline =
             Drawing { name, wgsl, entries, buffers: &[], target: Some(target), depth_format: None }
                 .pipeline(gpu);
-        let bindings = Bindings::of(name, wgsl, vertex).with(Bindings::of(name, wgsl, fragment));
-        Self { pipeline, bindings }
+        Ok(Self { pipeline, bindings })
     }
 }

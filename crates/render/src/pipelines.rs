@@ -4,7 +4,7 @@ use super::shaders::{self, ShaderOfSet};
 use crate::bindings::{BatchSet, ClearSet, CloudSet, EyeSet, GeometrySet, OfEye, Set};
 use crate::draw_options::Access;
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::{Bindings, Stage};
+use crate::gpu::stage::{Bindings, ShaderError, Stage};
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{Sums, Variant};
 use crate::nearest::{Closest, Nearest};
@@ -59,46 +59,53 @@ pub(super) struct PipelineOptions {
 
 impl Pipelines {
     /// Compiles the pipelines, with the technique's way to the nearest points, if it has one, else the frame's.
-    pub fn new(gpu: &Gpu, technique: &dyn Technique, options: PipelineOptions) -> (Self, Box<dyn Nearest>) {
+    pub fn new(
+        gpu: &Gpu,
+        technique: &dyn Technique,
+        options: PipelineOptions,
+    ) -> Result<(Self, Box<dyn Nearest>), ShaderError> {
         let PipelineOptions { num_eyes, fill, atomics, access, depth_format } = options;
         let has_keys = atomics >= Atomics::Int64Minmax;
         let together = access.together.unwrap_or(!gpu.is_software());
         let texts = technique.texts();
         let variant = Variant { fill, keys: has_keys, together, texts, ..Variant::eyes(num_eyes) };
-        let maker = Maker { gpu, access };
+        let others = &technique.names()[..];
+        let maker = Maker { gpu, access, others };
         let hqs = |sums| {
             let variant = Variant { sums, ..variant };
             let color = match sums {
                 Sums::Packed | Sums::Protected => shaders::COLOR,
                 Sums::Wide => shaders::COLOR32,
             };
-            Hqs {
+            Ok(Hqs {
                 sums,
-                depth: maker.stage(shaders::DEPTH32, variant),
-                color: maker.stage(color, variant),
-                blend: maker.stage(shaders::BLEND, variant),
-                blend_dilate: maker.stage(shaders::BLEND_DILATE, variant),
-            }
+                depth: maker.stage(shaders::DEPTH32, variant)?,
+                color: maker.stage(color, variant)?,
+                blend: maker.stage(shaders::BLEND, variant)?,
+                blend_dilate: maker.stage(shaders::BLEND_DILATE, variant)?,
+            })
         };
         let forms = match technique.sums() {
             Some(sums) => vec![sums],
             None if atomics == Atomics::Int64 => vec![Sums::Packed, Sums::Protected],
             None => vec![Sums::Wide],
         };
-        let nearest = technique.nearest(gpu, variant, access);
-        let nearest = nearest.unwrap_or_else(|| Box::new(Closest::new(gpu, variant, access)));
-        let pipelines = Self {
-            clear: maker.stage(shaders::CLEAR, variant),
-            lod: maker.stage(shaders::LOD, variant),
-            cull: maker.stage(shaders::CULL, variant),
-            has_keys,
-            hqs: forms.into_iter().map(hqs).collect(),
-            dilate: maker.stage(shaders::DILATE, variant),
-            show: maker.stage(shaders::SHOW, variant),
-            depth_image: depth_format
-                .map(|format| DepthImage::new(gpu, format, &shaders::DEPTH_IMAGE.source(variant))),
+        let nearest = match technique.nearest(gpu, variant, access)? {
+            Some(nearest) => nearest,
+            None => Box::new(Closest::new(gpu, variant, access, others)?),
         };
-        (pipelines, nearest)
+        let depth_image = |format| DepthImage::new(gpu, format, &shaders::DEPTH_IMAGE.source(variant));
+        let pipelines = Self {
+            clear: maker.stage(shaders::CLEAR, variant)?,
+            lod: maker.stage(shaders::LOD, variant)?,
+            cull: maker.stage(shaders::CULL, variant)?,
+            has_keys,
+            hqs: forms.into_iter().map(hqs).collect::<Result<_, ShaderError>>()?,
+            dilate: maker.stage(shaders::DILATE, variant)?,
+            show: maker.stage(shaders::SHOW, variant)?,
+            depth_image: depth_format.map(depth_image).transpose()?,
+        };
+        Ok((pipelines, nearest))
     }
 }
 
@@ -107,19 +114,23 @@ impl Pipelines {
 struct Maker<'a> {
     gpu: &'a Gpu,
     access: Access,
+    /// Names of what the technique binds besides.
+    others: &'a [&'static str],
 }
 
 impl Maker<'_> {
     /// Compiles a stage.
-    fn stage<S: Set>(self, shader: ShaderOfSet<S>, variant: Variant) -> Stage<S> {
-        Stage::of(self.gpu, shader, variant, self.access)
+    fn stage<S: Set>(self, shader: ShaderOfSet<S>, variant: Variant) -> Result<Stage<S>, ShaderError> {
+        Stage::of(self.gpu, shader, variant, self.access, self.others)
     }
 }
 
 impl DepthImage {
-    fn new(gpu: &Gpu, format: wgpu::TextureFormat, wgsl: &str) -> Self {
+    fn new(gpu: &Gpu, format: wgpu::TextureFormat, wgsl: &str) -> Result<Self, ShaderError> {
+        let name = "depth-image";
+        let bindings = Bindings::of(name, wgsl, "fragment", &[])?;
         let pipeline = Drawing {
-            name: "depth-image",
+            name,
             wgsl,
             entries: ["vertex", "fragment"],
             buffers: &[],
@@ -127,7 +138,7 @@ impl DepthImage {
             depth_format: Some(format),
         }
         .pipeline(gpu);
-        Self { pipeline, bindings: Bindings::of("depth-image", wgsl, "fragment") }
+        Ok(Self { pipeline, bindings })
     }
 
     /// A bind group for the pass.

@@ -7,6 +7,7 @@ use super::pipelines::{PipelineOptions, Pipelines};
 use super::targets::{TargetTooLarge, Targets};
 use crate::draw_options::DrawOptions;
 use crate::gpu::readback::{self, ReadbackError};
+use crate::gpu::stage::ShaderError;
 use crate::gpu::timer::Timer;
 use crate::gpu::{Atomics, Gpu};
 use crate::layout::{COUNTERS_STRIDE, Pixel, Sums, ViewUniform, of_image};
@@ -64,12 +65,23 @@ pub struct Renderer {
     pub(super) timer: Timer,
 }
 
+/// Why a renderer cannot be made, or cannot draw what it is told to.
+#[derive(Debug, thiserror::Error)]
+pub enum RendererError {
+    /// The device has no room for its targets.
+    #[error(transparent)]
+    Target(#[from] TargetTooLarge),
+    /// A shader binds what nobody has.
+    #[error(transparent)]
+    Shader(#[from] ShaderError),
+}
+
 impl Renderer {
     /// A renderer without a cloud.
     ///
     /// # Errors
-    /// If the sizes do not fit the device.
-    pub fn new(gpu: &Arc<Gpu>, setup: Setup, options: DrawOptions) -> Result<Self, TargetTooLarge> {
+    /// If the sizes do not fit the device, or a shader cannot be used.
+    pub fn new(gpu: &Arc<Gpu>, setup: Setup, options: DrawOptions) -> Result<Self, RendererError> {
         Self::with_technique(gpu, setup, options, Box::new(Own))
     }
 
@@ -82,8 +94,8 @@ impl Renderer {
         setup: Setup,
         options: DrawOptions,
         technique: Box<dyn Technique>,
-    ) -> Result<Self, TargetTooLarge> {
-        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, pipeline_options(&setup, &options));
+    ) -> Result<Self, RendererError> {
+        let (pipelines, nearest) = Pipelines::new(gpu, &*technique, pipeline_options(&setup, &options))?;
         let view_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let view = gpu.buffer("view", size_of::<ViewUniform>() as u64, view_usage);
         let has_wide = needs_wide(&pipelines, None, options.quality);
@@ -117,8 +129,19 @@ impl Renderer {
 
     /// Has frames show what is seen beside the scan, from the next one on: walks do, and pictures of a scan do not.
     /// `None`: nothing is seen where no point is.
-    pub fn show_scenery(&mut self, surround: Option<Surround>) {
-        self.scenery = Some(Scenery::new(&self.gpu, &self.setup, surround));
+    ///
+    /// # Errors
+    /// If its shader cannot be used.
+    pub fn show_scenery(&mut self, surround: Option<Surround>) -> Result<(), ShaderError> {
+        self.scenery = Some(Scenery::new(&self.gpu, &self.setup, surround)?);
+        Ok(())
+    }
+
+    /// Sets what frames with scenery show where no point is, from the next one on. It is quick.
+    pub fn set_surround(&mut self, surround: Option<Surround>) {
+        if let Some(scenery) = &mut self.scenery {
+            scenery.set_surround(surround);
+        }
     }
 
     /// Sets the picture of the card that shapes may show.
@@ -133,8 +156,10 @@ impl Renderer {
     /// what its texts bind.
     ///
     /// # Errors
-    /// If what the cloud's sums need does not fit the device; then nothing has changed.
-    pub fn set_cloud(&mut self, cloud: CloudBuffers) -> Result<Option<CloudBuffers>, TargetTooLarge> {
+    /// If what the cloud's sums need does not fit the device, or it lacks what the technique's texts bind; then nothing has
+    /// changed.
+    pub fn set_cloud(&mut self, cloud: CloudBuffers) -> Result<Option<CloudBuffers>, RendererError> {
+        self.check_cloud(&cloud)?;
         self.fit_targets(needs_wide(&self.pipelines, Some(&cloud), self.options.quality))?;
         let num_chunks = cloud.chunks.len() as u64;
         if num_chunks * u64::from(COUNTERS_STRIDE) > self.counters.size() {
@@ -148,6 +173,16 @@ impl Renderer {
         Ok(before)
     }
 
+    /// Checks that the technique or the cloud has all that the technique's texts bind.
+    fn check_cloud(&self, cloud: &CloudBuffers) -> Result<(), ShaderError> {
+        let own = self.technique.resources(&self.targets);
+        let has = |name: &str| own.iter().any(|(own, _)| *own == name) || cloud.has(name);
+        match self.technique.names().into_iter().find(|name| !has(name)) {
+            Some(lacking) => Err(ShaderError::lacks(self.technique.texts().name, lacking)),
+            None => Ok(()),
+        }
+    }
+
     /// Shows nothing from the next frame on, and gives back the cloud.
     pub fn take_cloud(&mut self) -> Option<CloudBuffers> {
         let cloud = self.cloud.take();
@@ -159,7 +194,7 @@ impl Renderer {
     ///
     /// # Errors
     /// If they do not fit the device.
-    pub fn resize(&mut self, sizes_px: &[[u32; 2]]) -> Result<(), TargetTooLarge> {
+    pub fn resize(&mut self, sizes_px: &[[u32; 2]]) -> Result<(), RendererError> {
         if self.setup.sizes_px != sizes_px {
             self.targets = Targets::new(&self.gpu, sizes_px, self.targets.has_wide())?;
             self.setup.sizes_px = sizes_px.to_vec();
@@ -189,12 +224,12 @@ impl Renderer {
     /// `None` compiles pipelines; all else is quick.
     ///
     /// # Errors
-    /// If what the quality needs does not fit the device; then nothing has changed.
-    pub fn set_options(&mut self, options: DrawOptions) -> Result<(), TargetTooLarge> {
+    /// If what the quality needs does not fit the device, or a shader cannot be used; then nothing has changed.
+    pub fn set_options(&mut self, options: DrawOptions) -> Result<(), RendererError> {
         self.fit_targets(needs_wide(&self.pipelines, self.cloud.as_ref(), options.quality))?;
         if pipeline_options(&self.setup, &options) != pipeline_options(&self.setup, &self.options) {
             (self.pipelines, self.nearest) =
-                Pipelines::new(&self.gpu, &*self.technique, pipeline_options(&self.setup, &options));
+                Pipelines::new(&self.gpu, &*self.technique, pipeline_options(&self.setup, &options))?;
         }
         let is_same_background = options.background == self.options.background;
         self.options = options;
@@ -209,7 +244,7 @@ impl Renderer {
     ///
     /// # Errors
     /// See [`Self::set_options`].
-    pub fn set_quality(&mut self, quality: Quality) -> Result<(), TargetTooLarge> {
+    pub fn set_quality(&mut self, quality: Quality) -> Result<(), RendererError> {
         if quality == self.options.quality {
             Ok(())
         } else {

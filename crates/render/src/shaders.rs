@@ -67,8 +67,8 @@ const BLENDED_SURFACE: SharedText = shared!("blended_surface.inc");
 const IMAGE: SharedText = shared!("image.inc");
 /// Means of color channels.
 const MEAN: SharedText = shared!("mean.inc");
-/// Stored colors to linear light.
-const SRGB: SharedText = shared!("srgb.inc");
+/// Stored colors to linear light, and back.
+pub const SRGB: SharedText = shared!("srgb.inc");
 /// What overlays share.
 const OVERLAYS: SharedText = shared!("overlay.inc");
 

@@ -4,6 +4,7 @@
 
 use crate::cloud_buffers::CloudBuffers;
 use crate::draw_options::Access;
+use crate::gpu::stage::ShaderError;
 use crate::gpu::{Gpu, QueueGuard};
 pub use crate::groups::ClearedTarget;
 use crate::layout::{Detail, Sums, Variant};
@@ -25,12 +26,25 @@ pub trait Technique: fmt::Debug + Send {
     }
 
     /// Another way to the nearest points of `closest` quality than the frame's stages.
-    fn nearest(&self, _gpu: &Gpu, _variant: Variant, _access: Access) -> Option<Box<dyn Nearest>> {
-        None
+    ///
+    /// # Errors
+    /// If a shader of it binds what it does not name.
+    fn nearest(
+        &self,
+        _gpu: &Gpu,
+        _variant: Variant,
+        _access: Access,
+    ) -> Result<Option<Box<dyn Nearest>>, ShaderError> {
+        Ok(None)
     }
 
-    /// The resources of its own that its texts bind ([`crate::bindings::OtherSet`]), by name. Those of its clouds are in
-    /// [`crate::Whole`].
+    /// Names of the resources that its texts bind besides the frame's ([`crate::bindings::OtherSet`]): its own, and those of
+    /// its clouds.
+    fn names(&self) -> Vec<&'static str> {
+        vec![]
+    }
+
+    /// The resources of its own, by name. Those of its clouds are in [`crate::Whole`].
     fn resources<'a>(&'a self, _targets: &'a Targets) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {
         vec![]
     }
@@ -119,7 +133,7 @@ impl Texts {
         wide: Self::wide,
         main: &[text!("main.inc")],
         depth: Self::depth,
-        hqs_depth: |_| &[text!("depths.inc"), text!("atomic_look.inc"), text!("depth")],
+        hqs_depth: |_| &[text!("depths.inc"), text!("early_z_atomic.inc"), text!("depth")],
         colors: &[text!("node_colors.inc")],
         color32: &[text!("wide_sums.inc"), text!("color32")],
         amend: |text| text,
@@ -137,8 +151,8 @@ impl Texts {
 
     fn depth(variant: Variant) -> Pieces {
         match variant.keys {
-            true => &[text!("keys.inc"), text!("atomic_look.inc"), text!("depth")],
-            false => &[text!("depths.inc"), text!("atomic_look.inc"), text!("depth")],
+            true => &[text!("keys.inc"), text!("early_z_atomic.inc"), text!("depth")],
+            false => &[text!("depths.inc"), text!("early_z_atomic.inc"), text!("depth")],
         }
     }
 }

@@ -1,11 +1,10 @@
-//! Which tier of atomics the frame uses: the GPU's best, or what the settings say.
+//! Which tier of atomics the frame uses: the GPU's best, or what is asked for.
 
 use crate::gpu::{Atomics, Gpu};
-use crate::options::Tier;
 
-/// The error that the settings ask for more than the GPU has.
+/// The error that more is asked for than the GPU has.
 #[derive(Debug, thiserror::Error)]
-#[error("gpu.tier: the GPU '{name}' has no {wanted}; its best is {best}, and \"auto\" takes that")]
+#[error("the GPU '{name}' has no {wanted}; its best is {best}")]
 pub struct NoSuchTier {
     /// The GPU.
     name: String,
@@ -15,18 +14,13 @@ pub struct NoSuchTier {
     best: &'static str,
 }
 
-/// The tier to draw with: `wanted`, if the GPU has it.
+/// The tier to draw with: `wanted`, if the GPU has it; the GPU's best if none is wanted.
 ///
 /// # Errors
 /// If the GPU does not have the one that is asked for.
-pub fn tier(gpu: &Gpu, wanted: Tier) -> Result<Atomics, NoSuchTier> {
+pub fn tier(gpu: &Gpu, wanted: Option<Atomics>) -> Result<Atomics, NoSuchTier> {
     let best = gpu.atomics();
-    let wanted = match wanted {
-        Tier::Auto => best,
-        Tier::Int64 => Atomics::Int64,
-        Tier::Int64Minmax => Atomics::Int64Minmax,
-        Tier::Int32 => Atomics::Int32,
-    };
+    let wanted = wanted.unwrap_or(best);
     if wanted > best {
         return Err(NoSuchTier { name: gpu.name(), wanted: wanted.name(), best: best.name() });
     }

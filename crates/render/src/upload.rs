@@ -2,7 +2,7 @@
 //! is drawn from the first frame on that is submitted after all of its points were.
 
 use crate::cloud_buffers::{Allocator, CloudBuffers, FILTERED_COLORS, num_extra_slices};
-use crate::gpu::Gpu;
+use crate::gpu::{Gpu, PollError};
 use crate::layout::{CHILD_ABSENT, ChunkUniform, GpuBatch, GpuNode, NO_CHILD, NODE_RESIDENT};
 use crate::pool::BatchPlaces;
 use base::space::Split;
@@ -33,7 +33,7 @@ pub enum UploadError {
     },
     /// The device was lost.
     #[error("the GPU stopped answering while the scan was sent to it: {0}")]
-    Lost(#[from] wgpu::PollError),
+    Lost(#[from] PollError),
     /// The user asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -382,7 +382,7 @@ impl<'a> CloudUpload<'a> {
             self.pending += piece.len();
             if self.pending > PENDING_BYTES {
                 let wait = wgpu::PollType::Wait { submission_index: Some(submission), timeout: None };
-                self.gpu.device.poll(wait)?;
+                self.gpu.poll(wait)?;
                 self.pending = 0;
             }
             self.progress.add(piece.len() as u64);

@@ -101,6 +101,38 @@ pub struct FrameRow {
     pub place: Option<Place>,
 }
 
+impl FrameRow {
+    /// A row for tests, of a walk without a headset in which nothing is remarkable: they say what differs.
+    #[must_use]
+    pub fn sample() -> Self {
+        Self {
+            frame: 0,
+            time_s: 0.0,
+            predicted_display_ns: 0,
+            wait_ms: 2.0,
+            record_ms: 0.5,
+            submit_ms: 0.25,
+            stage_ms: [0.5; STAGES.len()],
+            gpu_ms: 5.0,
+            budget_ms: 11.111,
+            missed_periods: 0,
+            visible_nodes: 800,
+            points_read: 8_000_000,
+            points_resident: 52_400_000,
+            lod_scale: 1.0,
+            resolution_scale: 1.0,
+            quality: "closest",
+            upload_bytes: 0,
+            world_from_head: None,
+            phase: Phase::Walking,
+            visible_batches: 900,
+            calls: CallTimes::default(),
+            session: "simulated",
+            place: None,
+        }
+    }
+}
+
 /// A duration in milliseconds, as rows have it.
 #[must_use]
 pub fn ms(duration: Duration) -> f32 {

@@ -63,6 +63,30 @@ pub struct ControlBinding {
     pub path: &'static str,
 }
 
+impl ControlBinding {
+    /// What people call the part: "Trigger". `None` for what no finger touches.
+    #[must_use]
+    pub fn name(&self) -> Option<&'static str> {
+        let mut words = self.path.strip_prefix("input/")?.split('/');
+        Some(match (words.next()?, words.next()) {
+            ("thumbstick", Some("click")) => "Stick, pressed",
+            ("thumbstick", _) => "Stick",
+            ("trackpad", Some("click")) => "Trackpad, pressed",
+            ("trackpad", _) => "Trackpad",
+            ("trigger", _) => "Trigger",
+            ("squeeze", _) => "Grip",
+            ("select", _) => "Button",
+            ("menu", _) => "Menu button",
+            ("a", _) => "A",
+            ("b", _) => "B",
+            ("y", _) => "Y",
+            ("pinch_ext", _) => "Pinch",
+            ("grasp_ext", _) => "Fist",
+            _ => return None,
+        })
+    }
+}
+
 /// An extension that adds a kind of controller.
 #[derive(Clone, Copy, Debug)]
 pub struct Extension {
@@ -83,6 +107,13 @@ pub struct Profile {
     pub extension: Option<Extension>,
     /// Its parts except the poses, which all kinds have.
     parts: &'static [ControlBinding],
+}
+
+impl PartialEq for Profile {
+    /// A kind is known by its path.
+    fn eq(&self, other: &Self) -> bool {
+        self.path == other.path
+    }
 }
 
 impl Profile {
@@ -364,6 +395,16 @@ mod tests {
                 paths.dedup();
                 assert_eq!(paths.len(), num_paths, "{}: a part does two things", profile.name);
             }
+        }
+    }
+
+    #[test]
+    fn every_part_that_a_finger_touches_has_a_name() {
+        for part in PROFILES.iter().flat_map(Profile::bindings) {
+            let is_touched = !matches!(part.control, Control::Aim | Control::Grip | Control::Vibration);
+            // What a runtime takes for a pinch at what is far away is a pinch all the same.
+            let is_twice = part.path.starts_with("input/aim_activate_ext");
+            assert_eq!(part.name().is_some(), is_touched && !is_twice, "{}", part.path);
         }
     }
 

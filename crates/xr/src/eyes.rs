@@ -5,9 +5,9 @@ use base::space::{Fov, Pose};
 use glam::{DQuat, DVec3};
 use openxr as xr;
 
-/// The floor is this far below LOCAL's origin, which runtimes put at the eyes of the user when starting:
-/// only used where the runtime has neither LOCAL_FLOOR nor STAGE.
-pub(super) const EYE_HEIGHT_M: f32 = 1.6;
+/// Height of LOCAL's origin above the floor, meters. Runtimes put it at the eyes of the user when starting. It counts only
+/// where the runtime has neither LOCAL_FLOOR nor STAGE.
+pub(super) const LOCAL_ORIGIN_M: f32 = 1.6;
 
 /// The views that the next layer is submitted with, left then right.
 ///
@@ -24,7 +24,7 @@ impl Eyes {
             xr::View {
                 pose: xr::Posef {
                     orientation: xr::Quaternionf { x: 0.0, y: 0.0, z: 0.0, w: 1.0 },
-                    position: xr::Vector3f { x, y: EYE_HEIGHT_M, z: 0.0 },
+                    position: xr::Vector3f { x, y: LOCAL_ORIGIN_M, z: 0.0 },
                 },
                 fov: xr::Fovf {
                     angle_left: -quarter,
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn the_head_is_between_the_eyes() {
         let head = Eyes::standing().head();
-        assert_eq!(head.position, DVec3::new(0.0, EYE_HEIGHT_M.into(), 0.0));
+        assert_eq!(head.position, DVec3::new(0.0, LOCAL_ORIGIN_M.into(), 0.0));
         assert!((head.orientation * DVec3::NEG_Z - DVec3::NEG_Z).length() < 1e-9);
     }
 

@@ -11,7 +11,7 @@ use glam::{DMat3, DQuat, DVec3};
 const PINCH_BEGINS_M: f64 = 0.015;
 /// A pinch ends when they are farther apart than this, meters.
 const PINCH_ENDS_M: f64 = 0.025;
-/// A fist begins when the tips of all fingers but the thumb are closer to the middle of the palm than this, meters. The
+/// A fist begins when the tips of all fingers except the thumb are closer to the middle of the palm than this, meters. The
 /// palm's joint lies inside the hand, and so does the tip's, which takes about 25 mm of it.
 const FIST_BEGINS_M: f64 = 0.055;
 /// A fist ends when one of them is farther away than this, meters.

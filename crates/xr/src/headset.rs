@@ -1,5 +1,6 @@
 //! What a frame loop asks of a headset, whether an OpenXR runtime stands behind it or a simulation.
 
+use crate::controllers::Profile;
 use crate::fault::End;
 use crate::hidden_area::HiddenArea;
 use base::space::{Fov, Pose};
@@ -49,6 +50,8 @@ pub struct HandInput {
     /// True if the hand has a stick or trackpad. Bare hands and the simplest controllers have none: `select` is all that
     /// they can move by.
     pub has_stick: bool,
+    /// The kind of controller that the hand holds; `None` if it holds none, or the runtime does not tell.
+    pub profile: Option<&'static Profile>,
     /// True while the trigger is pressed, or thumb and finger are pinched.
     pub select: bool,
     /// True while the hand grabs.

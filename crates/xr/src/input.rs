@@ -113,6 +113,8 @@ struct HandActions {
     aim: xr::Space,
     grip: xr::Space,
     was: Before,
+    /// The kind of controller in it.
+    profile: Option<&'static Profile>,
 }
 
 /// What a hand did in the frame before, where that counts.
@@ -134,13 +136,14 @@ impl HandActions {
         let path = xr.string_to_path(HANDS[number])?;
         let space = |action: &xr::Action<xr::Posef>| action.create_space(session, path, xr::Posef::IDENTITY);
         let (aim, grip) = (space(&actions.aim)?, space(&actions.grip)?);
-        Ok(Self { number, path, aim, grip, was: Before::default() })
+        Ok(Self { number, path, aim, grip, was: Before::default(), profile: None })
     }
 
     /// Reads what the hand does, after the actions were synchronized.
     fn read(
         &mut self,
         actions: &Actions,
+        profiles: &[(xr::Path, &'static Profile)],
         now: &Moment<'_>,
         joints: Option<&HandJoints>,
     ) -> Result<HandInput, FailedCall> {
@@ -150,13 +153,29 @@ impl HandActions {
             return Ok(HandInput::default());
         }
         if now.is_active(&actions.aim, self.path)? {
-            return self.read_actions(actions, now);
+            // A hand takes another controller only after it has let go of the one before.
+            if self.profile.is_none() {
+                self.profile = self.find_profile(profiles, now.session);
+            }
+            let input = self.read_actions(actions, now)?;
+            return Ok(HandInput { profile: self.profile, ..input });
         }
+        self.profile = None;
         let Some(joints) = joints else {
             self.was = Before::default();
             return Ok(HandInput::default());
         };
         Ok(self.read_joints(joints, &now.stage_from_head))
+    }
+
+    /// The kind of controller that the runtime says is in the hand. A runtime that does not say costs a label, no more.
+    fn find_profile(
+        &self,
+        profiles: &[(xr::Path, &'static Profile)],
+        session: &xr::Session<xr::Vulkan>,
+    ) -> Option<&'static Profile> {
+        let path = session.current_interaction_profile(self.path).ok()?;
+        profiles.iter().find(|(known, _)| *known == path).map(|(_, profile)| *profile)
     }
 
     /// Input of a controller, or of a bare hand whose gestures the runtime knows.
@@ -183,6 +202,7 @@ impl HandActions {
             stage_from_grip,
             stick: if counts { stick(moved.current_state) } else { [0.0; 2] },
             has_stick: moved.is_active,
+            profile: None,
             select: held(&actions.select)? || self.was.pinch == Some(Pinch::Select),
             grab: held(&actions.grab)? || self.was.squeezed,
             menu: held(&actions.menu)? || self.was.pinch == Some(Pinch::Menu),
@@ -215,6 +235,8 @@ pub(super) struct Input {
     set: xr::ActionSet,
     actions: Actions,
     hands: [HandActions; 2],
+    /// The kinds of controllers, by the runtime's numbers for their paths.
+    profiles: Vec<(xr::Path, &'static Profile)>,
     gaze: Option<Gaze>,
 }
 
@@ -227,7 +249,7 @@ impl Input {
     pub fn new(
         xr: &xr::Instance,
         session: &xr::Session<xr::Vulkan>,
-        profiles: &[&Profile],
+        profiles: &[&'static Profile],
         eye_gaze: bool,
     ) -> xr::Result<Self> {
         let set = xr.create_action_set("walk", "Walk", 0)?;
@@ -244,7 +266,9 @@ impl Input {
             [HandActions::new(xr, session, &actions, 0)?, HandActions::new(xr, session, &actions, 1)?];
         let gaze = if eye_gaze { without_on_failure(Gaze::new(xr, session, &set)) } else { None };
         session.attach_action_sets(&[&set])?;
-        Ok(Self { set, actions, hands, gaze })
+        let of_path = |profile: &&'static Profile| Ok((xr.string_to_path(profile.path)?, *profile));
+        let profiles = profiles.iter().map(of_path).collect::<xr::Result<_>>()?;
+        Ok(Self { set, actions, hands, profiles, gaze })
     }
 
     /// Direction of the gaze in `stage`, unit length, if it is tracked.
@@ -275,7 +299,7 @@ impl Input {
         now.session.sync_actions(&sets).map_err(FailedCall::of("xrSyncActions"))?;
         let mut input = ControllerInput::default();
         for ((hand, joints), read) in self.hands.iter_mut().zip(joints).zip(&mut input.hands) {
-            *read = hand.read(&self.actions, now, joints.as_ref())?;
+            *read = hand.read(&self.actions, &self.profiles, now, joints.as_ref())?;
         }
         Ok(input)
     }

@@ -118,7 +118,7 @@ impl XrHeadset {
         }
         // The swapchains' images must be idle, and wgpu must have let go of its views of them.
         let drained = wgpu::PollType::Wait { submission_index: None, timeout: Some(DRAIN_TIME) };
-        if let Err(error) = self.gpu.device.poll(drained) {
+        if let Err(error) = self.gpu.poll(drained) {
             tracing::warn!("closing the headset's session while the GPU is busy: {error}");
         }
         // Runtimes may wait for the whole device, its queue included, when they destroy images and sessions.

@@ -101,8 +101,7 @@ impl From<DeviceError> for XrMissing {
     }
 }
 
-/// What the GPU lacks that every frame needs. [`GpuError::Lacking`] advises `--adapter`, which does not choose a
-/// headset's GPU.
+/// What the GPU lacks that every frame needs, without its name.
 pub(super) fn lacking(error: GpuError) -> String {
     match error {
         GpuError::Lacking { missing, .. } => format!("it lacks {missing}"),

@@ -13,7 +13,7 @@ const SAME_HZ: f64 = 0.5;
 pub(crate) fn settle(session: &xr::Session<xr::Vulkan>, offered: bool, wanted_hz: Option<f64>) -> f64 {
     if !offered {
         if let Some(hz) = wanted_hz {
-            tracing::warn!("headset.refresh_hz={hz}: this headset's runtime chooses its rate itself");
+            tracing::warn!("{hz} Hz are wanted: this headset's runtime chooses its rate itself");
         }
         return DEFAULT_HZ;
     }
@@ -51,14 +51,14 @@ fn choose(offered: &[f64], wanted_hz: f64) -> RateChoice {
         None => RateChoice {
             hz: None,
             remark: Some(format!(
-                "headset.refresh_hz={wanted_hz}: the headset's runtime offers no rates to choose from"
+                "{wanted_hz} Hz are wanted: the headset's runtime offers no rates to choose from"
             )),
         },
         Some(hz) if away(&hz) < SAME_HZ => RateChoice { hz: Some(hz), remark: None },
         Some(hz) => RateChoice {
             hz: Some(hz),
             remark: Some(format!(
-                "headset.refresh_hz={wanted_hz}: the headset offers {} Hz, and {hz:.0} Hz was chosen",
+                "{wanted_hz} Hz are wanted: the headset offers {} Hz, and {hz:.0} Hz was chosen",
                 rates.join(", ")
             )),
         },

@@ -1,6 +1,6 @@
 //! A session: events, frames, images and input together, as the frame thread uses them.
 
-use super::eyes::{EYE_HEIGHT_M, Eyes};
+use super::eyes::{Eyes, LOCAL_ORIGIN_M};
 use super::fault::{Cause, End, FailedCall};
 use super::frames::{FrameCalls, ShownLayers, locate};
 use super::hands::HandTrackers;
@@ -383,7 +383,7 @@ fn add_depth(images: &mut EyeSwapchains, session: &xr::Session<xr::Vulkan>, gpu:
 /// The stage: the floor at y = 0, under the user where the runtime can tell.
 ///
 /// LOCAL_FLOOR follows the user's recentering and knows the floor; STAGE knows the floor; LOCAL knows
-/// neither, so its floor is taken to be [`EYE_HEIGHT_M`] below its origin.
+/// neither, so its floor is taken to be [`LOCAL_ORIGIN_M`] below its origin.
 fn stage_space(session: &xr::Session<xr::Vulkan>) -> xr::Result<(xr::Space, xr::ReferenceSpaceType)> {
     let offered = session.enumerate_reference_spaces()?;
     let preferred = [xr::ReferenceSpaceType::LOCAL_FLOOR, xr::ReferenceSpaceType::STAGE];
@@ -391,7 +391,7 @@ fn stage_space(session: &xr::Session<xr::Vulkan>) -> xr::Result<(xr::Space, xr::
     let kind = kind.unwrap_or(xr::ReferenceSpaceType::LOCAL);
     let mut pose = xr::Posef::IDENTITY;
     if kind == xr::ReferenceSpaceType::LOCAL {
-        pose.position.y = -EYE_HEIGHT_M;
+        pose.position.y = -LOCAL_ORIGIN_M;
     }
     tracing::debug!("the stage is the runtime's {kind:?} space");
     Ok((session.create_reference_space(kind, pose)?, kind))

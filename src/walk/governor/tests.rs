@@ -3,6 +3,7 @@
 
 use super::ladder::RESOLUTION_SCALES;
 use super::*;
+use kit::frames::sample_options;
 use render::options::Quality;
 use std::collections::VecDeque;
 
@@ -127,7 +128,7 @@ impl<D: Decides> ScriptedWalk<D> {
     }
 }
 
-const OPTIONS: GovernorOptions = GovernorOptions { enabled: true, budget: 0.8 };
+const OPTIONS: GovernorOptions = GovernorOptions::sample();
 
 fn governor() -> Governor {
     governor_of(Quality::Hqs)
@@ -139,7 +140,7 @@ fn governor_of(quality: Quality) -> Governor {
 }
 
 fn drawn_in(quality: Quality) -> DrawOptions {
-    DrawOptions { quality, ..DrawOptions::default() }
+    DrawOptions { quality, ..sample_options() }
 }
 
 /// A governor of a cloud that has no level of detail.

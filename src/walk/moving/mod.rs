@@ -15,7 +15,7 @@ pub mod stick;
 pub mod visits;
 
 pub use arc::{Landing, TeleportArc};
-pub use comfort::Vignette;
+pub use comfort::{Vignette, VignetteOptions};
 pub use floors::{Floor, Floors};
 pub use guides::{Event, Guides};
 pub use options::{Hand, LocomotionOptions, Stride, Turn};

@@ -1,6 +1,6 @@
 //! What a user can set about moving, in the units that it is computed with.
 
-use serde::{Deserialize, Serialize};
+use super::comfort::VignetteOptions;
 
 /// How sticks, keys and mouse move the viewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,13 +23,14 @@ pub struct LocomotionOptions {
     pub look_rad_per_px: f64,
     /// Meters that a teleport reaches when the hand points a little upwards.
     pub reach_m: f64,
-    /// Part of the vignette that is drawn while a stick moves the user, 0 to 1.
-    pub vignette: f32,
+    /// How far the edge of sight is darkened while a stick moves the user.
+    pub vignette: VignetteOptions,
 }
 
-impl Default for LocomotionOptions {
-    /// What the default settings say.
-    fn default() -> Self {
+#[cfg(test)]
+impl LocomotionOptions {
+    /// Options for this room's tests, which say what comes of them.
+    pub(crate) fn sample() -> Self {
         Self {
             speed_m_per_s: None,
             fast: 4.0,
@@ -40,38 +41,33 @@ impl Default for LocomotionOptions {
             turn_rad_per_s: 90f64.to_radians(),
             look_rad_per_px: 0.15f64.to_radians(),
             reach_m: 8.0,
-            vignette: 0.5,
+            vignette: VignetteOptions::sample(),
         }
     }
 }
 
-/// How the stick turns the user.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Turn {
-    /// By a fixed angle at once.
-    #[default]
-    Snap,
-    /// Smoothly, while the stick is held.
-    Smooth,
+base::choice! {
+    /// How the stick turns the user.
+    pub enum Turn {
+        /// By the angle of a snap turn at once.
+        Snap = "snap",
+        /// Smoothly, while the stick is held.
+        Smooth = "smooth",
+    }
 }
 
-/// A hand.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Hand {
-    /// The left one.
-    #[default]
-    Left,
-    /// The right one.
-    Right,
+base::choice! {
+    /// A hand.
+    pub enum Hand {
+        /// The left one.
+        Left = "left",
+        /// The right one.
+        Right = "right",
+    }
 }
 
 impl Hand {
-    /// Both, in the order in which headsets report them.
-    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
-
-    /// Number of the hand among [`Self::BOTH`].
+    /// Number of the hand among [`Self::ALL`], which is the order in which headsets report hands.
     #[must_use]
     pub fn index(self) -> usize {
         self as usize
@@ -87,15 +83,14 @@ impl Hand {
     }
 }
 
-/// How sticks and keys take the user forward.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Stride {
-    /// Walking where a walk begins inside, flying elsewhere.
-    #[default]
-    Auto,
-    /// On the floor, wherever the head looks.
-    Walk,
-    /// Through the air, where the head looks.
-    Fly,
+base::choice! {
+    /// How sticks and keys take the user forward.
+    pub enum Stride {
+        /// Walking where a walk begins inside, flying elsewhere.
+        Auto = "auto",
+        /// On the floor, wherever the head looks.
+        Walk = "walk",
+        /// Through the air, where the head looks.
+        Fly = "fly",
+    }
 }

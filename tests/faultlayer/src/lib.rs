@@ -10,9 +10,12 @@
 //! - `instloss`: an event that the instance will be lost;
 //! - `norender`: xrWaitFrame says that nobody would see the frame;
 //! - `hang`: xrWaitFrame does not return; `hangbegin`: xrBeginFrame does not;
+//! - `devicelost`: the GPU is lost, where the library is a Vulkan layer too ([`gpu`]);
 //! - `watch`: one xrEndFrame's views are written to stderr (see [`tell_views`]);
 //! - `newmask`: an event that an eye's visibility mask has changed;
 //! - `random:SEED:EVERY`: one of these after another, chosen at random, each time that EVERY frames have passed;
+//!
+//! If `XRFAULT_WAITS` is set, frames are counted from the time at which there is a file `fault` in the folder `XR_RUN`;
 //!
 //! and without waiting for frames:
 //! - `noheadset`: xrGetSystem finds none;
@@ -31,6 +34,7 @@
 //! bindings, and of vibrations. The layer serves one instance and one session at a time, and others after them.
 
 mod actions;
+mod gpu;
 mod plan;
 
 use actions::{

@@ -1,12 +1,12 @@
 //! What is to happen, and when: the environment says it.
 
 use openxr_sys as xr;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Calls of xrEndFrame so far.
-pub static FRAMES: AtomicU64 = AtomicU64::new(0);
+/// Calls of xrEndFrame since faults may happen.
+static FRAMES: AtomicU64 = AtomicU64::new(0);
 
 /// Calls that fail: the fault, the call, its result.
 pub const FAILURES: [(&str, &str, xr::Result); 20] = [
@@ -33,7 +33,8 @@ pub const FAILURES: [(&str, &str, xr::Result); 20] = [
 ];
 
 /// Faults that happen at random: all failures, and these.
-const OTHERS: [&str; 7] = ["discard", "exit", "losspending", "exiting", "instloss", "norender", "newmask"];
+const OTHERS: [&str; 8] =
+    ["discard", "exit", "losspending", "exiting", "instloss", "norender", "newmask", "devicelost"];
 /// The fault of `random` that happens next.
 static ARMED: Mutex<Option<&str>> = Mutex::new(None);
 
@@ -77,8 +78,25 @@ pub fn number(what: &str) -> Option<u64> {
     plan(what).map(|plan| plan.frames)
 }
 
+/// True once faults may happen: at once, or when the test asks for them.
+fn may_happen() -> bool {
+    static ASKED_FOR: OnceLock<()> = OnceLock::new();
+    static FILE: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let file = FILE.get_or_init(|| {
+        let waits = std::env::var_os("XRFAULT_WAITS").is_some();
+        waits.then(|| PathBuf::from(std::env::var_os("XR_RUN").unwrap_or_default()).join("fault"))
+    });
+    if ASKED_FOR.get().is_none() && file.as_ref().is_none_or(|file| file.exists()) {
+        let _ = ASKED_FOR.set(());
+    }
+    ASKED_FOR.get().is_some()
+}
+
 /// Counts a call of xrEndFrame; chooses a fault at random if it is time for one.
 pub fn count_frame() {
+    if !may_happen() {
+        return;
+    }
     let frames = FRAMES.fetch_add(1, Ordering::SeqCst) + 1;
     // `random:SEED:EVERY`
     let Some(random) = plan("random").filter(|random| frames.is_multiple_of(random.calls)) else { return };
@@ -99,7 +117,7 @@ fn fires_at_random(what: &str) -> bool {
 
 /// Whether `what` is planned, due, and has not happened often enough yet.
 pub fn fires(what: &str) -> bool {
-    let due = plan(what).filter(|plan| FRAMES.load(Ordering::SeqCst) >= plan.frames);
+    let due = plan(what).filter(|plan| may_happen() && FRAMES.load(Ordering::SeqCst) >= plan.frames);
     let fires = due.is_some_and(|plan| plan.fired.fetch_add(1, Ordering::SeqCst) < plan.calls)
         || fires_at_random(what);
     if fires {
@@ -116,7 +134,9 @@ pub fn failure(call: &str) -> Option<xr::Result> {
 
 /// Does not return if `what` is planned and due.
 pub fn hang(what: &str) {
-    while fires(what) {
-        std::thread::sleep(Duration::from_secs(3600));
+    if fires(what) {
+        loop {
+            std::thread::park();
+        }
     }
 }

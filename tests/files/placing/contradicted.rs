@@ -31,20 +31,20 @@ fn coordinates_that_plainly_contradict_the_system_are_taken_for_what_they_are() 
             "but has its coordinates from the earth's center",
         ),
     ] {
-        let scan = las.read(&ReadOptions::default());
+        let scan = las.read(&ReadOptions::AS_FILES_SAY);
         let (distance, above) = errors(&scan, 500.0);
         assert!(distance < 5e-3 && above < 5e-3, "{what}: {distance} {above}");
         let [warning] = &scan.warnings[..] else { panic!("{what}: {:?}", scan.warnings) };
         assert!(warning.contains("names another coordinate system") && warning.contains(words), "{warning}");
         assert_eq!(scan.unit_m, Some(1.0), "{what}");
-        let off = las.read(&ReadOptions { project: Project::Off, ..ReadOptions::default() });
+        let off = las.read(&ReadOptions { project: Project::Off, ..ReadOptions::AS_FILES_SAY });
         assert_eq!(off.bounds(), off.bounds_in_file(), "{what}");
     }
 }
 
 #[test]
 fn a_unit_of_length_is_taken_or_spoken_of() {
-    let meters = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::default() };
+    let meters = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::AS_FILES_SAY };
     let degrees = || {
         PlacedLas::new(
             DVec3::new(1e-7, 1e-7, 1e-3),
@@ -79,7 +79,7 @@ fn angles_and_lengths_of_every_number_are_drawn_in_meters() {
         &[[1024, 0, 1, 2], [2048, 0, 1, 4326], [2054, 0, 1, 9105]],
     ] {
         let las = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-4), gradians[0], gradians.clone()).with_keys(keys);
-        let (distance, above) = errors(&las.read(&ReadOptions::default()), 100.0);
+        let (distance, above) = errors(&las.read(&ReadOptions::AS_FILES_SAY), 100.0);
         assert!(distance < 1e-3 && above < 1e-3, "{keys:?}: {distance} {above}");
     }
     for (number, unit_m) in
@@ -92,7 +92,7 @@ fn angles_and_lengths_of_every_number_are_drawn_in_meters() {
             [3072, 0, 1, 32767],
             [3076, 0, 1, number],
         ]);
-        let scan = las.read(&ReadOptions::default());
+        let scan = las.read(&ReadOptions::AS_FILES_SAY);
         assert!((scan.unit_m.unwrap_or_default() - unit_m).abs() < 1e-9, "{number}: {:?}", scan.unit_m);
         let size = scan.bounds().size() * unit_m;
         assert!((size - DVec3::new(20.0, 20.0, 6.0)).abs().max_element() < 5e-3, "{number}: {size}");
@@ -111,10 +111,10 @@ fn latitude_comes_first_where_longitude_cannot() {
             [(&keys[..], "has its coordinates in angles, the latitude first"), (&[], "names no")]
         {
             let las = PlacedLas::new(steps, swapped[0], swapped.clone()).with_keys(stated);
-            let scan = las.read(&ReadOptions::default());
+            let scan = las.read(&ReadOptions::AS_FILES_SAY);
             let want = PlacedLas::new(steps, in_order[0], in_order.clone())
                 .with_keys(stated)
-                .read(&ReadOptions::default());
+                .read(&ReadOptions::AS_FILES_SAY);
             let differ =
                 world(&scan).iter().zip(world(&want)).map(|(a, b)| (*a - b).length()).fold(0.0, f64::max);
             assert!(differ < 5e-3, "{longitude}: {differ} m");
@@ -128,19 +128,19 @@ fn latitude_comes_first_where_longitude_cannot() {
     }
     // Either order may be meant here; it is then taken as the program's own files have it.
     let swapped: Vec<DVec3> = tower_on_earth(47.0, 8.0, 500.0);
-    let scan = PlacedLas::new(steps, swapped[0], swapped).with_keys(&keys).read(&ReadOptions::default());
+    let scan = PlacedLas::new(steps, swapped[0], swapped).with_keys(&keys).read(&ReadOptions::AS_FILES_SAY);
     assert!(!scan.warnings[0].contains("latitude first"), "{:?}", scan.warnings);
 }
 
 #[test]
 fn longitudes_may_go_on_to_360_and_no_scan_has_steps_of_a_hundred_meters() {
     let east = tower_on_earth(254.8, 40.0, 1500.0);
-    let scan = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-3), east[0], east).read(&ReadOptions::default());
+    let scan = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-3), east[0], east).read(&ReadOptions::AS_FILES_SAY);
     assert!(matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }), "{:?}", scan.warnings);
     // This is a hall whose file names the system of a receiver.
     let keys = [[1024, 0, 1, 2], [2048, 0, 1, 4326]];
     let scan = PlacedLas::new(DVec3::splat(1e-3), DVec3::ZERO, tower().collect()).with_keys(&keys);
-    let scan = scan.read(&ReadOptions::default());
+    let scan = scan.read(&ReadOptions::AS_FILES_SAY);
     assert_eq!(scan.bounds(), scan.bounds_in_file());
     assert!(scan.warnings[0].contains("its points are not there"), "{:?}", scan.warnings);
 }

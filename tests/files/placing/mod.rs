@@ -3,10 +3,12 @@
 
 mod contradicted;
 
+use crate::PROGRAM;
 use crate::bytes::{read_bytes_with, tower, world};
 use base::task::CancelToken;
 use glam::DVec3;
 use kit::las_files::save;
+use kit::program;
 use kit::reading;
 use points::{Geodetic, Project, ReadOptions, Scan, Unit, WorldFromFile, read};
 
@@ -117,9 +119,8 @@ fn info_gives_the_size_of_a_scan_on_the_earth_in_the_order_of_its_axes() {
     let tower = tower_on_earth(8.0, 47.0, 500.0);
     let degrees = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-3), DVec3::new(8.0, 47.0, 500.0), tower);
     let (_folder, path) = save("a.las", &degrees.with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]).bytes());
-    let info =
-        std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk")).arg("info").arg(path).output().unwrap();
-    let text = String::from_utf8(info.stdout).unwrap();
+    let info = program::run(program::command(PROGRAM).arg("info").arg(path));
+    let text = info.text();
     let size =
         text.lines().find(|line| line.trim_start().starts_with("size")).unwrap_or_else(|| panic!("{text}"));
     assert!(size.contains("(20.0 x 20.0 x 6.0 m)"), "{size}");
@@ -130,12 +131,12 @@ fn units_are_stated_by_code_or_by_the_user() {
     let tile = PlacedLas::new(DVec3::splat(0.001), DVec3::new(984_000.0, 200_000.0, 0.0), {
         tower().map(|p| p / US_FOOT + DVec3::new(984_000.0, 200_000.0, 0.0)).collect()
     });
-    assert_eq!(tile.read(&ReadOptions::default()).unit_m, None);
+    assert_eq!(tile.read(&ReadOptions::AS_FILES_SAY).unit_m, None);
     let by_code = PlacedLas { keys: vec![[1024, 0, 1, 1], [3072, 0, 1, 2263]], ..tile };
-    let scan = by_code.read(&ReadOptions::default());
+    let scan = by_code.read(&ReadOptions::AS_FILES_SAY);
     assert_eq!((scan.unit_m, scan.unit_in_file_m), (Some(US_FOOT), Some(US_FOOT)));
     assert!((scan.bounds().size() * US_FOOT - DVec3::new(20.0, 20.0, 6.0)).abs().max_element() < 1e-3);
-    let millimeters = ReadOptions { unit: Unit::Meters(0.001), ..ReadOptions::default() };
+    let millimeters = ReadOptions { unit: Unit::Meters(0.001), ..ReadOptions::AS_FILES_SAY };
     let scan = by_code.read(&millimeters);
     assert_eq!(scan.unit_m, Some(0.001));
     assert_eq!(scan.files[0].grid.scale, DVec3::splat(0.001), "a unit of all axes scales none of them");
@@ -148,11 +149,11 @@ fn heights_of_another_unit_are_scaled_to_that_across_and_no_step_is_rounded() {
     let tile = || PlacedLas::new(DVec3::splat(0.001), base, tower().map(|p| p * foot + base).collect());
     let wkt = r#"COMPD_CS["both",PROJCS["UTM",UNIT["metre",1]],VERT_CS["h",VERT_DATUM["x",2005],UNIT["US survey foot",0.304800609601219]]]"#;
     let keys = [[1024, 0, 1, 1], [3072, 0, 1, 26918], [4099, 0, 1, 9003]];
-    let vertical = ReadOptions { vertical_unit: Unit::Meters(US_FOOT), ..ReadOptions::default() };
-    let stored = tile().read(&ReadOptions::default()).files[0].points.xyz.clone();
+    let vertical = ReadOptions { vertical_unit: Unit::Meters(US_FOOT), ..ReadOptions::AS_FILES_SAY };
+    let stored = tile().read(&ReadOptions::AS_FILES_SAY).files[0].points.xyz.clone();
     for (how, scan) in [
-        ("wkt", tile().with_wkt(wkt).read(&ReadOptions::default())),
-        ("keys", tile().with_keys(&keys).read(&ReadOptions::default())),
+        ("wkt", tile().with_wkt(wkt).read(&ReadOptions::AS_FILES_SAY)),
+        ("keys", tile().with_keys(&keys).read(&ReadOptions::AS_FILES_SAY)),
         ("user", tile().read(&vertical)),
     ] {
         let size = scan.bounds().size();
@@ -168,14 +169,14 @@ fn heights_of_another_unit_are_scaled_to_that_across_and_no_step_is_rounded() {
     }
     // Without a word about the unit of heights the tower is 19.7 units tall. The user's unit of all axes wins over
     // the file's.
-    assert!((tile().read(&ReadOptions::default()).bounds().size().z - 19.685).abs() < 1e-3);
-    let meters = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::default() };
+    assert!((tile().read(&ReadOptions::AS_FILES_SAY).bounds().size().z - 19.685).abs() < 1e-3);
+    let meters = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::AS_FILES_SAY };
     assert!((tile().with_wkt(wkt).read(&meters).bounds().size().z - 19.685).abs() < 1e-3);
 }
 
 #[test]
 fn places_on_the_earth_stand_upright_in_meters_wherever_they_are() {
-    let options = ReadOptions::default();
+    let options = ReadOptions::AS_FILES_SAY;
     for longitude in [-179.9999, -73.9, 8.0, 139.7] {
         for latitude in [-77.5, -33.9, 0.3, 47.0, 78.2] {
             for height in [-400.0, 0.0, 4000.0] {
@@ -219,7 +220,7 @@ fn places_on_the_earth_stand_upright_in_meters_wherever_they_are() {
 fn what_the_file_has_is_kept_beside_what_is_drawn() {
     let degrees = tower_on_earth(16.0, 48.0, 200.0);
     let las = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(16.0, 48.0, 200.0), degrees.clone());
-    let scan = las.with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]).read(&ReadOptions::default());
+    let scan = las.with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]).read(&ReadOptions::AS_FILES_SAY);
     let file = &scan.files[0];
     let own = file.in_file.bounds;
     assert!(
@@ -234,7 +235,7 @@ fn what_the_file_has_is_kept_beside_what_is_drawn() {
 
 #[test]
 fn projection_is_off_on_or_forced_as_asked() {
-    let with = |project| ReadOptions { project, ..ReadOptions::default() };
+    let with = |project| ReadOptions { project, ..ReadOptions::AS_FILES_SAY };
     let degrees = tower_on_earth(16.0, 48.0, 200.0);
     let las = PlacedLas::new(DVec3::new(1e-9, 1e-9, 1e-4), DVec3::new(16.0, 48.0, 200.0), degrees)
         .with_keys(&[[1024, 0, 1, 2], [2048, 0, 1, 4326]]);
@@ -274,7 +275,7 @@ fn a_system_that_the_points_contradict_is_not_believed() {
         let offset = DVec3::new(515_368.0, 4_918_340.0, 2322.0);
         let scan = PlacedLas::new(DVec3::splat(1e-3), offset, tower().map(|p| p + offset).collect())
             .with_keys(keys)
-            .read(&ReadOptions::default());
+            .read(&ReadOptions::AS_FILES_SAY);
         assert_eq!(scan.bounds(), scan.bounds_in_file(), "{keys:?}");
         assert!(scan.warnings[0].contains("its points are not there"), "{keys:?}: {:?}", scan.warnings);
     };
@@ -327,7 +328,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
                 .with_keys(&[[1024, 0, 1, 1], [3072, 0, 1, 32632]]),
         ),
     ] {
-        let scan = las.read(&ReadOptions::default());
+        let scan = las.read(&ReadOptions::AS_FILES_SAY);
         assert_eq!(
             (scan.bounds(), scan.warnings.len()),
             (scan.bounds_in_file(), 0),
@@ -341,7 +342,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         DVec3::new(16.0, 48.0, 0.0),
         tower_on_earth(16.0, 48.0, 200.0),
     );
-    let scan = degrees.read(&ReadOptions::default());
+    let scan = degrees.read(&ReadOptions::AS_FILES_SAY);
     assert!(
         scan.warnings[0].contains("names no coordinate system, but has its coordinates in degrees"),
         "{:?}",
@@ -356,7 +357,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         ("flat", DVec3::new(1e-7, 1e-7, 1e-3), flat().collect()),
         ("at zero", DVec3::new(1e-7, 1e-7, 1e-3), tower_on_earth(0.01, 0.01, 200.0)),
     ] {
-        let scan = PlacedLas::new(scale, DVec3::ZERO, points).read(&ReadOptions::default());
+        let scan = PlacedLas::new(scale, DVec3::ZERO, points).read(&ReadOptions::AS_FILES_SAY);
         assert!(
             matches!(scan.files[0].world_from_file, WorldFromFile::Geographic { .. }),
             "{what}: {:?}",
@@ -364,7 +365,7 @@ fn lengths_are_never_taken_for_places_on_the_earth() {
         );
     }
     let center: Vec<DVec3> = tower_on_earth(8.0, 47.0, 500.0).iter().map(geocentric).collect();
-    let scan = PlacedLas::new(mm, center[0].round(), center).read(&ReadOptions::default());
+    let scan = PlacedLas::new(mm, center[0].round(), center).read(&ReadOptions::AS_FILES_SAY);
     assert!(scan.warnings[0].contains("from the earth's center"), "{:?}", scan.warnings);
 }
 
@@ -378,7 +379,7 @@ fn zeros_beside_places_on_the_earth_are_left_out_and_cost_nothing() {
         points.iter_mut().enumerate().for_each(|(i, p)| *p += DVec3::splat(1e-3 * (i / 5) as f64));
         points.splice(7..7, vec![DVec3::ZERO; num_zeros]);
         let las = PlacedLas::new(DVec3::splat(0.004), DVec3::ZERO, points.clone()).with_keys(&keys);
-        let scan = las.read(&ReadOptions::default());
+        let scan = las.read(&ReadOptions::AS_FILES_SAY);
         let file = &scan.files[0];
         assert_eq!(file.points.xyz.len(), 50);
         let told = scan.warnings.iter().filter(|w| w.contains(&format!("a.las: has {num_zeros} point")));
@@ -424,7 +425,7 @@ fn files_with_other_units_are_scaled_to_that_of_the_first() {
         };
         assert!(warning.contains(other), "{warning}");
         // A unit that the user states is that of all files.
-        let options = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::default() };
+        let options = ReadOptions { unit: Unit::Meters(1.0), ..ReadOptions::AS_FILES_SAY };
         let scan = read(&paths, &options, &CancelToken::default()).unwrap();
         assert!(!scan.warnings.iter().any(|w| w.contains("another unit")), "{:?}", scan.warnings);
         assert_eq!(scan.bounds(), scan.bounds_in_file());

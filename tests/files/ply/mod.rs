@@ -6,8 +6,10 @@ pub mod made;
 mod real;
 mod world;
 
+use crate::PROGRAM;
 use crate::bytes::read_bytes;
 use base::task::CancelToken;
+use kit::program;
 use made::{MadeEncoding, MadeFace, MadePly, MadePoint};
 use points::{ColorSource, ReadOptions, ScanFile, peek, read};
 use proptest::prelude::*;
@@ -143,8 +145,9 @@ fn the_header_says_what_is_in_the_file() {
         assert_eq!(header.format, format!("PLY, {format}"));
         assert_eq!(header.num_points, 100);
         let faces = format!("faces: {}", made.faces.len());
-        let expected = ["rgb", "intensity", "normals", &faces, "extra:weights", "extra:Quality"];
-        assert_eq!(header.attributes, expected);
+        let expected = ["rgb", "intensity", "normals", "extra:Quality", &faces];
+        assert_eq!(header.attributes(), expected);
+        assert_eq!(header.schema.unread, ["weights"], "lists");
         assert_eq!(header.software.as_deref(), Some("a test"));
     }
 }
@@ -157,7 +160,7 @@ fn reading_stops_when_asked() {
     for encoding in MadeEncoding::ALL {
         let path = folder.path().join("scan.ply");
         std::fs::write(&path, MadePly::new(20).bytes(encoding)).unwrap();
-        let error = read(&[path], &ReadOptions::default(), &stop).unwrap_err().to_string();
+        let error = read(&[path], &ReadOptions::AS_FILES_SAY, &stop).unwrap_err().to_string();
         assert!(error.contains("stopped"), "{error}");
     }
 }
@@ -249,10 +252,8 @@ fn info_counts_triangles() {
     let made = MadePly { faces: vec![MadeFace(vec![0, 1, 2, 3])], ..MadePly::new(4) };
     std::fs::write(&path, made.bytes(MadeEncoding::LittleEndian)).unwrap();
     let say = |options: &[&str]| {
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_scanwalk"));
-        let output = command.arg("info").arg(&path).args(options).output().unwrap();
-        assert!(output.status.success(), "{output:?}");
-        String::from_utf8(output.stdout).unwrap()
+        let mut command = program::command(PROGRAM);
+        program::run(command.arg("info").arg(&path).args(options)).ok().text().to_owned()
     };
     let text = say(&[]);
     let line = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)).unwrap_or("missing").trim();

@@ -5,14 +5,13 @@ mod on_gpu;
 
 use base::space::{Bounds, Eye, Fov, Pose, Split, View};
 use glam::{DQuat, DVec3};
-use kit::frames::{SplitMix, num_differing};
+use kit::frames::{SAMPLE_DETAIL, SplitMix, num_differing};
 use lab::reference::color::Sum;
 use lab::reference::dilate::{dilate, radius_px};
 use lab::reference::resolve::{EMPTY, blend};
 use on_gpu::{ShownAs, blended_on_gpu, on_gpu, run_shown};
 use render::layout::{
-    Detail, GUARD_PX, MAX_MEAN_COUNT, Pixel, SURFACE_TOLERANCE, Variant, ViewUniform, depth_of,
-    mask_words_per_row,
+    GUARD_PX, MAX_MEAN_COUNT, Pixel, SURFACE_TOLERANCE, Variant, ViewUniform, depth_of, mask_words_per_row,
 };
 
 /// Two eyes with asymmetric images of this size, canted, looking off the center, so that all rings are in the
@@ -28,7 +27,7 @@ fn view(size_px: [u32; 2]) -> ViewUniform {
         gaze_in_view: DVec3::new(0.3 * sign, 0.2, -1.0).normalize(),
     };
     let view = View { eyes: vec![eye(-1.0), eye(1.0)], near: 0.05 };
-    let mut uniform = ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &Detail::default());
+    let mut uniform = ViewUniform::new(&view, &Split::of(&Bounds::EMPTY, &Bounds::EMPTY), &SAMPLE_DETAIL);
     // The size stands for the one with the guard band, which `dilate` does not tell from the image.
     let guard = GUARD_PX as f32;
     for eye in &mut uniform.eyes {
@@ -253,7 +252,7 @@ fn the_comparison_notices_a_bit_and_a_radius() {
 #[test]
 fn rings_follow_the_angle_from_the_gaze() {
     let size = [200, 150];
-    let detail = Detail::default();
+    let detail = SAMPLE_DETAIL;
     let view = view(size);
     for number in 0..2 {
         let eye = &view.eyes[number];

@@ -65,7 +65,7 @@ pub fn run_shown(
     shown: &ShownAs,
 ) -> Vec<Pixel> {
     let gpu = gpu();
-    let stage: Stage<EyeSet> = Stage::new(&gpu, shader, &shaders::source(shader, variant));
+    let stage: Stage<EyeSet> = Stage::new(&gpu, shader, &shaders::source(shader, variant)).expect("a stage");
     let buffer = |label, contents: &[u8], usage| {
         let contents = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
         gpu.device.create_buffer_init(&contents)

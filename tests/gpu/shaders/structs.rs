@@ -44,7 +44,7 @@ pub fn host_structs() -> Vec<HostStruct> {
         host!(tree::Run: behind, flags, reserved, reserved_end),
         host!(tree::DiscBatch: min_hi, first_point, min_lo, num_points, cell, run, steps_per_unit, interval),
         host!(tree::TreeUniform: tolerance_rad, tolerance_growth, step_base, reserved, reserved_end),
-        host!(counts::Counts: num_drawn, num_asked, num_looks, num_colors, num_chosen, reserved),
+        host!(counts::Counts: num_drawn, num_asked, num_reads, num_colors, num_chosen, reserved),
         host!(desktop::DrawnUniform: size, last),
     ]
 }

@@ -112,6 +112,25 @@ fn the_queue_stays_behind_its_lock() {
     assert!(bare_queues(&file("src/desktop/painter.rs")).is_empty());
 }
 
+/// The one place that asks wgpu's device whether work is done: wgpu panics there where the device is lost.
+const POLLS: &str = "crates/render/src/gpu/lost.rs";
+
+fn bare_polls(file: &File) -> Vec<String> {
+    if file.path == POLLS {
+        return Vec::new();
+    }
+    let lines = code(&file.text).filter(|(_, text)| text.contains("device.poll("));
+    lines.map(|(line, _)| format!("{}:{line}: ask by Gpu::poll", file.path)).collect()
+}
+
+#[test]
+fn a_lost_gpu_panics_nowhere() {
+    let faults: Vec<String> = sources().iter().flat_map(bare_polls).collect();
+    assert!(faults.is_empty(), "{faults:#?}");
+    let file = |path: &str| File { path: path.into(), text: "gpu.device.poll(wait)?;".into() };
+    assert_eq!((bare_polls(&file("src/walk/run.rs")).len(), bare_polls(&file(POLLS)).len()), (1, 0));
+}
+
 /// Files that see settings as such: the command line makes them, and `resolve` makes of them what each room is told.
 const SEES_SETTINGS: [&str; 4] = ["src/cli/", "src/config/", "src/resolve.rs", "src/lib.rs"];
 

@@ -9,10 +9,19 @@ const KINDS: [(&str, &[&str]); 3] = [
     ("build-dependencies", &["build.rs"]),
 ];
 
-/// Whether code names a crate: in a path, or to bring it in.
+/// Whether code names a crate: in a path, or to bring it in. A file with a module of that name means the module, and so
+/// does a path that leads there through another module.
 fn names_crate(text: &str, name: &str) -> bool {
-    let (path, import) = (format!("{name}::"), format!("use {name}"));
-    code(text).any(|(_, line)| names(line, name) && (line.contains(&path) || line.contains(&import)))
+    let [module, import, path] = [format!("mod {name}"), format!("use {name}"), format!("{name}::")];
+    let part_of_path = |c: char| c.is_alphanumeric() || c == '_';
+    let begins_path = |line: &str| {
+        line.match_indices(&path).any(|(at, _)| {
+            let before = &line[..at];
+            !before.strip_suffix("::").unwrap_or(before).ends_with(part_of_path)
+        })
+    };
+    let has = |is_so: &dyn Fn(&str) -> bool| code(text).any(|(_, line)| is_so(line));
+    !has(&|line| names(line, &module)) && has(&|line| names(line, &import) || begins_path(line))
 }
 
 /// Names below `[dependencies]` and the like, also those of one system alone.
@@ -84,6 +93,8 @@ fn an_unused_dependency_is_found() {
         ),
         file("crates/b/src/lib.rs", "libm::sqrt(1.0) + wgpu_hal::Api"),
         file("crates/b/tests/t.rs", "proptest::proptest! {}"),
+        file("crates/c/src/formats.rs", "pub(crate) mod las;\nmod lazy;\nlas::Reader; ::laz::Laz"),
+        file("crates/c/src/lib.rs", "use super::las::Reader;\ncrate::formats::las::Reader; atlas::Page"),
     ];
     let found = |folder, names: &str, kind: &str| {
         let names: String = names.split(' ').map(|name| format!("{name} = \"1\"\n")).collect();
@@ -95,4 +106,6 @@ fn an_unused_dependency_is_found() {
     assert_eq!(found("crates/b/", "proptest", "dependencies"), 1, "only its tests name it");
     assert_eq!(found("crates/b/", "proptest", "dev-dependencies"), 0);
     assert_eq!(found("crates/b/", "libm", "build-dependencies"), 1, "it has no build.rs");
+    assert_eq!(found("crates/c/", "las", "dependencies"), 1, "its own module has the name");
+    assert_eq!(found("crates/c/", "laz", "dependencies"), 0, "no module has the name");
 }

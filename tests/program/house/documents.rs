@@ -1,8 +1,7 @@
 //! How long files get, what they and the documents must say, and what no file may.
 
-use super::{File, files, sources};
+use super::{File, files, sources, tracked};
 use std::path::Path;
-use std::process::Command;
 
 const MAX_LINES: usize = 500;
 
@@ -77,18 +76,7 @@ fn machine_paths(file: &File) -> Vec<String> {
 
 #[test]
 fn nothing_names_one_machine() {
-    let root = env!("CARGO_MANIFEST_DIR");
-    let tracked = Command::new("git").args(["-C", root, "ls-files", "-z"]).output();
-    let tracked = tracked
-        .ok()
-        .filter(|listed| listed.status.success())
-        .expect("a git checkout, which lists the project's files");
-    let mut faults = Vec::new();
-    for path in String::from_utf8(tracked.stdout).unwrap().split_terminator('\0') {
-        // Pictures and scans are not text.
-        let Ok(text) = std::fs::read_to_string(Path::new(root).join(path)) else { continue };
-        faults.extend(machine_paths(&File { path: path.into(), text }));
-    }
+    let faults: Vec<String> = tracked().iter().flat_map(machine_paths).collect();
     assert!(faults.is_empty(), "{faults:#?}");
     let sample = |path: &str| {
         let text = concat!("cd /wo", "rk/scan\nls ../sha", "red/data\n").into();

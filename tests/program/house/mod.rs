@@ -5,16 +5,18 @@ mod calls;
 mod circles;
 mod dependencies;
 mod documents;
+mod format_names;
 mod messages;
 mod rooms;
 mod types;
 
+use kit::program;
 use std::path::{Path, PathBuf};
 
 /// A file: its path from the root, with `/`, and its text.
-struct File {
-    path: String,
-    text: String,
+pub(crate) struct File {
+    pub path: String,
+    pub text: String,
 }
 
 /// Files with one of these endings below `folder`.
@@ -36,6 +38,19 @@ fn files(folder: &str, endings: &[&str]) -> Vec<File> {
     }
     found.sort_by(|a, b| a.path.cmp(&b.path));
     found
+}
+
+/// All files of the project that are text.
+pub(crate) fn tracked() -> Vec<File> {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let listed = program::run(program::command("git").args(["-C", root, "ls-files", "-z"])).ok();
+    let paths = listed.text().split_terminator('\0');
+    // Pictures and scans are no text.
+    let file = |path: &str| {
+        let text = std::fs::read_to_string(Path::new(root).join(path)).ok()?;
+        Some(File { path: path.into(), text })
+    };
+    paths.filter_map(file).collect()
 }
 
 fn sources() -> Vec<File> {

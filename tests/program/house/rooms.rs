@@ -17,8 +17,9 @@ const ROOMS: [(&str, &[&str]); 10] = [
     ("", &["base", "cloud", "lab", "points", "raw", "render", "timing", "xr"]),
 ];
 /// Libraries that a room must not have: the GPU is unknown to files and clouds; the renderer knows no headset, no window and no
-/// settings file; windows are the program's matter.
-const NOT_IN: [(&str, &[&str]); 8] = [
+/// settings file; windows and the command line are the program's matter.
+const NOT_IN: [(&str, &[&str]); 9] = [
+    ("clap", &["base", "timing", "points", "cloud", "raw", "render", "lab", "xr"]),
     ("wgpu", &["base", "timing", "points", "cloud"]),
     ("ash", &["base", "timing", "points", "cloud", "render", "lab"]),
     ("openxr", &["base", "timing", "points", "cloud", "render", "lab"]),

@@ -9,7 +9,7 @@ mod worst;
 
 use base::space::Pose;
 use glam::{DQuat, DVec3};
-use timing::{CallTimes, FrameLogFile, FrameRow, LoggedFrame, Phase, STAGES};
+use timing::{FrameLogFile, FrameRow, LoggedFrame, Phase};
 
 /// A log at 90 Hz whose frames take the GPU `ms(frame)`.
 pub fn log_of(num_frames: u64, ms: impl FnMut(u64) -> f64) -> FrameLogFile {
@@ -49,27 +49,12 @@ pub fn row_of(frame: &LoggedFrame) -> FrameRow {
     FrameRow {
         frame: frame.frame,
         time_s: frame.time_s,
-        predicted_display_ns: 0,
-        wait_ms: 1.0,
-        record_ms: 1.0,
-        submit_ms: 1.0,
-        stage_ms: [1.0; STAGES.len()],
         gpu_ms: frame.gpu_ms as f32,
         budget_ms: frame.budget_ms as f32,
-        missed_periods: 0,
-        visible_nodes: 1,
-        points_read: 1,
-        points_resident: 1,
-        lod_scale: 1.0,
-        resolution_scale: 1.0,
         quality: "hqs",
-        upload_bytes: 0,
         world_from_head: frame.world_from_head,
         phase: frame.phase,
-        visible_batches: 1,
-        calls: CallTimes::default(),
-        session: "simulated",
-        place: None,
+        ..FrameRow::sample()
     }
 }
 

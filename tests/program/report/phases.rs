@@ -76,10 +76,30 @@ fn marks_fit_beside_their_plots() {
     }
     let page = walk_page(&log);
     let marks = marks(&page);
-    assert!(states.iter().all(|state| marks.iter().any(|(_, text)| text == state)), "{marks:?}");
+    assert!(!marks.is_empty() && states.iter().all(|state| page.contains(&format!("</span>{state}</li>"))));
     // Letters of marks are 12 units high, and capital letters 8 wide at most.
     let cut: Vec<_> = marks.iter().filter(|(x, text)| *x < 7.5 * text.chars().count() as f64).collect();
     assert!(cut.is_empty(), "{cut:?}");
+}
+
+#[test]
+fn states_of_the_session_are_bands_as_long_as_they_lasted() {
+    let mut log = started(0, 0, 300);
+    log.sessions = ["READY", "FOCUSED"].map(String::from).to_vec();
+    for (at, frame) in log.frames.iter_mut().enumerate() {
+        frame.session = Some(u8::from(at >= 75));
+    }
+    let page = walk_page(&log);
+    let widths: Vec<f64> = page
+        .split("<rect class=\"band")
+        .skip(1)
+        .filter_map(|rest| rest.split_once("width=\"")?.1.split_once('"')?.0.parse().ok())
+        .collect();
+    let [ready, focused] = widths[..] else { panic!("{widths:?}") };
+    assert!((3.0 * ready - focused).abs() < 4.0, "{widths:?}");
+    assert!(page.contains("<path class=\"cpu\""));
+    log.sessions.truncate(1);
+    assert!(!walk_page(&log).contains("<rect class=\"band"), "one state needs no bands");
 }
 
 #[test]

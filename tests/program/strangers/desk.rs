@@ -1,35 +1,13 @@
 //! A stranger's desk: a folder with files in it, and the program run there.
 
-use kit::wait::retry;
+use crate::PROGRAM;
+use kit::program::{self, RunOutput};
+use kit::rows::LogRows;
 use serde_json::Value;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
 
-/// Longest time for a run in seconds, far beyond what any row takes: no input may hang the program.
-const LONGEST_S: f64 = 120.0;
 /// Pixels of pictures: small, and wider than high.
 pub const SIZE: [usize; 2] = [96, 64];
-
-/// What came of a run.
-pub struct RunOutput {
-    pub code: i32,
-    pub out: Vec<u8>,
-    pub err: String,
-}
-
-impl RunOutput {
-    /// True if a line holds all of these words, in any case.
-    pub fn says(&self, words: &[&str]) -> bool {
-        let lines = self.err.lines().map(str::to_lowercase);
-        lines.into_iter().any(|line| words.iter().all(|word| line.contains(&word.to_lowercase())))
-    }
-
-    /// The outcome for a cell of the table.
-    pub fn in_words(&self) -> String {
-        let words = self.err.trim().replace('\n', " | ");
-        format!("exit {}: {}", self.code, if words.is_empty() { "no word" } else { &words })
-    }
-}
 
 pub struct Desk {
     folder: tempfile::TempDir,
@@ -50,35 +28,14 @@ impl Desk {
 
     /// Runs the program here, with names relative to the folder.
     pub fn run(&self, args: &[&str]) -> RunOutput {
-        let files = ["stdout", "stderr"].map(|name| {
-            let path = self.path(&format!(".{name}"));
-            (std::fs::File::create(&path).expect("a file"), path)
-        });
-        let [(out, out_path), (err, err_path)] = files;
-        let mut command = Command::new(env!("CARGO_BIN_EXE_scanwalk"));
-        command.args(args).current_dir(self.folder.path()).stdin(Stdio::null()).stdout(out).stderr(err);
-        for name in ["RUST_LOG", "DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
-            command.env_remove(name);
-        }
-        let mut child = command.spawn().expect("the program starts");
-        let ended = retry(LONGEST_S, || child.try_wait().expect("a child of ours").ok_or(()));
-        let code = match ended {
-            Ok(status) => status.code().unwrap_or(-1),
-            Err(()) => {
-                child.kill().expect("a child of ours");
-                let _ = child.wait();
-                -2
-            }
-        };
-        let read = |path: PathBuf| std::fs::read(path).expect("what it said");
-        RunOutput { code, out: read(out_path), err: String::from_utf8_lossy(&read(err_path)).into_owned() }
+        program::run(program::command(PROGRAM).args(args).current_dir(self.folder.path()))
     }
 
     /// Returns what `info --json` says, or how it failed.
     pub fn info(&self, args: &[&str]) -> Result<Info, String> {
         let ran = self.run(&[&["info", "--json"], args].concat());
         match serde_json::from_slice(&ran.out) {
-            Ok(json) if ran.code == 0 => Ok(Info { json, ran }),
+            Ok(json) if ran.code == Some(0) => Ok(Info { json, ran }),
             _ => Err(ran.in_words()),
         }
     }
@@ -88,7 +45,7 @@ impl Desk {
         let size = format!("{}x{}", SIZE[0], SIZE[1]);
         let fixed = ["render", "-o", "picture.png", "--size", &size];
         let ran = self.run(&[&fixed[..], args].concat());
-        if ran.code != 0 {
+        if ran.code != Some(0) {
             return Err(ran.in_words());
         }
         let bytes = std::fs::read(self.path("picture.png")).map_err(|error| error.to_string())?;
@@ -100,16 +57,14 @@ impl Desk {
         let fixed = ["view", "--headset", "off", "--window", "off", "--frames", "2", "--log", "frames.csv"];
         let small = ["--set", "simulated.size_px=[64,64]"];
         let ran = self.run(&[&fixed[..], &small, args].concat());
-        let log = std::fs::read_to_string(self.path("frames.csv"));
-        let Some(log) = log.ok().filter(|_| ran.code == 0) else { return Err(ran.in_words()) };
-        let mut lines = log.lines().filter(|line| !line.starts_with('#'));
-        let names: Vec<&str> = lines.next().unwrap_or_default().split(',').collect();
-        let column = |name: &str| names.iter().position(|n| *n == name);
-        let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
-        let row = rows.iter().find(|row| column("head_x").is_some_and(|at| !row[at].is_empty()));
-        let row = row.ok_or("no frame showed the scan")?;
-        let number = |name: &str| column(name).and_then(|at| row[at].parse::<f64>().ok());
-        let head = ["head_x", "head_y", "head_z"].map(number);
+        if ran.code != Some(0) {
+            return Err(ran.in_words());
+        }
+        let rows = LogRows::so_far(&self.path("frames.csv")).ok_or("no log")?;
+        let head = ["head_x", "head_y", "head_z"].map(|name| {
+            let shown = rows.column(name).into_iter().find(|cell| !cell.is_empty());
+            shown.and_then(|cell| cell.parse::<f64>().ok())
+        });
         let [Some(x), Some(y), Some(z)] = head else { return Err(format!("the head is at {head:?}")) };
         Ok(StartRun { head: [x, y, z], ran })
     }

@@ -189,7 +189,7 @@ pub fn rows() -> Vec<StrangerRow> {
         (0..1024_u32).for_each(|i| bytes.extend(i.wrapping_mul(0x9e37_79b9).to_le_bytes()));
         desk.put("small.ply", bytes);
         let ran = desk.run(&["info", "small.ply"]);
-        judged(ran.code == 0 || ran.says(&["small.ply", "splat", "compressed"]), ran.in_words())
+        judged(ran.code == Some(0) || ran.says(&["small.ply", "splat", "compressed"]), ran.in_words())
     }));
     for (name, property) in
         [("reflectance", "float"), ("scalar_Intensity", "float"), ("scalar_Reflectance", "double")]
@@ -225,7 +225,7 @@ pub fn rows() -> Vec<StrangerRow> {
             |_: usize, [x, y, z]: &[f64; 3], _: &[u8; 3]| format!("{x:.3} {y:.3} {z:.3}\n").replace('.', ",");
         desk.put("commas.ply", text(&head, "\n", 2000, write));
         let ran = desk.run(&["info", "commas.ply"]);
-        judged(ran.code == 1 && ran.says(&["commas.ply", "line", "not commas"]), ran.in_words())
+        judged(ran.code == Some(1) && ran.says(&["commas.ply", "line", "not commas"]), ran.in_words())
     }));
     rows.push(row(LINE, "colors on faces only", "half red, half green", |desk| {
         let mut text =

@@ -143,12 +143,14 @@ fn exists(kind: OutputKind) -> String {
 }
 
 /// A hint about `-o *.las`, which the shell makes `-o first.las second.las …` of.
-fn pattern_hint(path: &Path) -> &'static str {
+fn pattern_hint(path: &Path) -> String {
     // A device is no match of a pattern.
-    if path.is_file() {
-        "; this file exists: if you wrote a pattern such as *.las, the shell put its first match here, so write a \
-         name of your own before the pattern"
-    } else {
-        ""
+    if !path.is_file() {
+        return String::new();
     }
+    let ending = path.extension().map(|ending| format!(".{}", ending.display())).unwrap_or_default();
+    format!(
+        "; this file exists: if you wrote a pattern such as *{ending}, the shell put its first match here, so write a \
+         name of your own before the pattern"
+    )
 }

@@ -22,14 +22,23 @@ pub enum OutputKind {
     Page,
     /// A path of the head.
     Poses,
+    /// The scans that were opened last, as JSON.
+    RecentScans,
     /// A scan, in a format that one of these endings stands for; its header is written last.
     Scan(&'static [&'static str]),
 }
 
 impl OutputKind {
     /// Kinds whose endings are always the same.
-    const FIXED: [Self; 6] =
-        [Self::Picture, Self::Depth, Self::Metrics, Self::FrameLog, Self::Page, Self::Poses];
+    const FIXED: [Self; 7] = [
+        Self::Picture,
+        Self::Depth,
+        Self::Metrics,
+        Self::FrameLog,
+        Self::Page,
+        Self::Poses,
+        Self::RecentScans,
+    ];
 
     /// The kind in words.
     pub(super) fn name(self) -> &'static str {
@@ -40,6 +49,7 @@ impl OutputKind {
             Self::FrameLog => "a frame log",
             Self::Page => "a page",
             Self::Poses => "a pose path",
+            Self::RecentScans => "a list of recent scans",
             Self::Scan(_) => "a scan",
         }
     }
@@ -49,7 +59,7 @@ impl OutputKind {
         match self {
             Self::Picture => &["png"],
             Self::Depth => &["npy"],
-            Self::Metrics => &["json"],
+            Self::Metrics | Self::RecentScans => &["json"],
             Self::FrameLog => &["csv"],
             Self::Page => &["html", "htm", "md"],
             Self::Poses => &["poses"],
@@ -82,6 +92,7 @@ impl OutputKind {
             Self::FrameLog => &[b"# scanwalk frame log"],
             Self::Page => &[b"content=\"scanwalk ", b"# The papers' tables"],
             Self::Poses => &[b"time_s,x,y,z,qx,qy,qz,qw"],
+            Self::RecentScans => &[b"\"recent_scans\": ["],
             Self::Scan(_) => &[],
         }
     }

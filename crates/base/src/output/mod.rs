@@ -61,6 +61,19 @@ impl Output {
         Ok(Self { fresh: true, ..Self::new(path, kind)? })
     }
 
+    /// A file that the program keeps for itself, in a folder that is made if it is missing.
+    ///
+    /// # Errors
+    /// Those of [`Output::new`].
+    pub fn of_program(path: impl Into<PathBuf>, kind: OutputKind) -> Result<Self, OutputError> {
+        let path = path.into();
+        if let Some(folder) = path.parent() {
+            // Where this fails, the check below says why nothing can be written there.
+            let _ = std::fs::create_dir_all(folder);
+        }
+        Self::new(path, kind)
+    }
+
     /// The path, as the user wrote it.
     #[must_use]
     pub fn path(&self) -> &Path {

@@ -1,11 +1,11 @@
 //! What files know of their points' surfaces: normals with a side, and the triangles of meshes [SPT §3.8].
 //!
 //! A triangle is drawn where its longest side is longer than the tolerance. There, discs of its corners are not
-//! needed: the *floor* of a point is the longest side of the smallest triangle at it (0 if there is none), that of a
-//! disc the least floor of the points below it, and a disc is drawn only where the tolerance has reached its floor.
+//! needed: the *onset* of a point is the longest side of the smallest triangle at it (0 if there is none), that of a
+//! disc the least onset of the points below it, and a disc is drawn only where the tolerance has reached its onset.
 //!
-//! Nothing is lost: where a triangle is not drawn, the tolerance has reached its longest side, which no floor above
-//! its corners exceeds, so that none of their discs is suppressed. Nor is much drawn twice: below a disc's floor all
+//! Nothing is lost: where a triangle is not drawn, the tolerance has reached its longest side, which no onset above
+//! its corners exceeds, so that none of their discs is suppressed. Nor is much drawn twice: below a disc's onset all
 //! triangles at all of its points are drawn. The tolerance differs from place to place, which `first_step` allows
 //! for.
 
@@ -135,37 +135,37 @@ pub(super) fn triangles(scan: &Scan, sorted: &SortedPoints, tree: &PointTree) ->
     faces(scan).map(of_face).collect()
 }
 
-/// The floor of each node as a step, 0 for those with a point below that no triangle stands for; empty if there is no
+/// The onset of each node as a step, 0 for those with a point below that no triangle stands for; empty if there is no
 /// triangle.
-pub(super) fn floors(tree: &PointTree, scale: &StepScale) -> Vec<u8> {
+pub(super) fn onsets(tree: &PointTree, scale: &StepScale) -> Vec<u8> {
     if tree.triangles.is_empty() {
         return Vec::new();
     }
-    let mut floors = vec![u8::MAX; tree.nodes.len()];
+    let mut onsets = vec![u8::MAX; tree.nodes.len()];
     for triangle in &tree.triangles {
         let step = scale.step(triangle.side);
         for corner in triangle.corners {
-            let floor = &mut floors[corner as usize];
-            *floor = step.min(*floor);
+            let onset = &mut onsets[corner as usize];
+            *onset = step.min(*onset);
         }
     }
     for number in 0..tree.nodes.len() {
-        if tree.nodes[number].num_points == 1 && floors[number] == u8::MAX {
-            floors[number] = 0;
+        if tree.nodes[number].num_points == 1 && onsets[number] == u8::MAX {
+            onsets[number] = 0;
         }
         // Children come before their parents.
         if let Some(parent) = tree.parent(number) {
-            floors[parent] = floors[parent].min(floors[number]);
+            onsets[parent] = onsets[parent].min(onsets[number]);
         }
     }
-    floors
+    onsets
 }
 
-/// The first step of tolerance at which a disc with a floor is drawn: that of the floor, less what the tolerance may
+/// The first step of tolerance at which a disc with an onset is drawn: that of the onset, less what the tolerance may
 /// grow on the way from the disc's center to any of its points, which are within `radius`. It is one step less because
 /// the GPU has corners and discs on different grids of cells.
-pub(super) fn first_step(scale: &StepScale, floor: u8, radius: f64, max_slope: f64) -> u8 {
-    let length = f64::from(scale.length(floor)) - max_slope * radius;
+pub(super) fn first_step(scale: &StepScale, onset: u8, radius: f64, max_slope: f64) -> u8 {
+    let length = f64::from(scale.length(onset)) - max_slope * radius;
     scale.step_below(length.max(0.0) as f32).saturating_sub(1)
 }
 

@@ -1,7 +1,7 @@
 //! What is promised of meshes: no place is lost between triangles and discs, and what files know is used.
 
 use super::meshlets::meshlets;
-use super::tests::{leaves, noise, path, shapes};
+use super::tests::{leaves, noise, path, shapes, tree_of};
 use super::*;
 use crate::made_up::{motley, scan_of};
 use glam::DVec3;
@@ -30,10 +30,6 @@ fn mesh(edge: i32, num_loose: usize, seed: u32) -> Scan {
     let mut scan = scan_of(xyz, motley);
     scan.files[0].triangles = triangles;
     scan
-}
-
-fn tree_of(scan: &Scan) -> PointTree {
-    build_point_tree(scan, false, &Progress::hidden()).expect("a tree")
 }
 
 /// Tells of each triangle whether it is drawn, where `tolerance` gives a node's tolerance.
@@ -146,16 +142,16 @@ proptest! {
     }
 }
 
-/// Discs that begin where their floors end leave holes, so the property above can fail.
+/// Discs that begin where their onsets end leave holes, so the property above can fail.
 #[test]
 fn floors_need_their_overlap() {
     let tree = tree_of(&mesh(13, 0, 5));
     let lost = |with_overlap: bool| {
         let sequence = Sequence::new(&tree, WIDE_RAD);
         let mut shapes = shapes(&tree, &sequence);
-        let floors = mesh::floors(&tree, &sequence.scale);
+        let onsets = mesh::onsets(&tree, &sequence.scale);
         if !with_overlap {
-            shapes.iter_mut().zip(floors).for_each(|(shape, floor)| shape.min = shape.min.max(floor));
+            shapes.iter_mut().zip(onsets).for_each(|(shape, onset)| shape.min = shape.min.max(onset));
         }
         let of_eye = |i: i32| {
             let tolerance = from_eye(&tree, DVec3::new(f64::from(i) * 0.2 - 10.0, 3.0, 1.0), WIDE_RAD);
@@ -175,13 +171,13 @@ fn a_degenerate_triangle_is_none_and_its_points_stay() {
     let tree = tree_of(&scan);
     assert_eq!(tree.triangles.len(), 1);
     let sequence = Sequence::new(&tree, MAX_TOLERANCE_SLOPE);
-    let floors = mesh::floors(&tree, &sequence.scale);
-    let mut with_floor = leaves(&tree).filter(|&leaf| floors[leaf] > 0).count();
-    assert_eq!(with_floor, 3);
+    let onsets = mesh::onsets(&tree, &sequence.scale);
+    let mut with_onset = leaves(&tree).filter(|&leaf| onsets[leaf] > 0).count();
+    assert_eq!(with_onset, 3);
     scan.files[0].triangles.pop();
     let tree = tree_of(&scan);
-    with_floor = mesh::floors(&tree, &sequence.scale).len();
-    assert!(tree.triangles.is_empty() && with_floor == 0);
+    with_onset = mesh::onsets(&tree, &sequence.scale).len();
+    assert!(tree.triangles.is_empty() && with_onset == 0);
 }
 
 #[test]
@@ -219,10 +215,10 @@ fn files_with_and_without_triangles_mix() {
     let (num_mesh, num_all) = (81, 381);
     let tree = tree_of(&scan);
     let sequence = Sequence::new(&tree, MAX_TOLERANCE_SLOPE);
-    let floors = mesh::floors(&tree, &sequence.scale);
-    assert_eq!(leaves(&tree).filter(|&leaf| floors[leaf] > 0).count(), num_mesh);
+    let onsets = mesh::onsets(&tree, &sequence.scale);
+    assert_eq!(leaves(&tree).filter(|&leaf| onsets[leaf] > 0).count(), num_mesh);
     assert_eq!(leaves(&tree).count(), num_all);
-    assert_eq!(floors.last(), Some(&0));
+    assert_eq!(onsets.last(), Some(&0));
     let shapes = shapes(&tree, &sequence);
     let near = |leaf: usize| path(&tree, leaf).any(|node| shapes[node].is_drawn(0));
     assert_eq!(

@@ -73,7 +73,7 @@ pub use steps::StepScale;
 pub use tree::{PointTree, PointTreeNode};
 
 use super::BuildError;
-use super::build::{Checked, check, sort};
+use super::build::{Checked, CodedPoint, check, sort};
 use super::index::Index;
 use base::task::{Cancelled, Progress};
 use points::Scan;
@@ -95,9 +95,6 @@ struct SortedPoints<'a> {
     /// (code, number in the index), ascending.
     keys: Vec<CodedPoint>,
 }
-
-/// Morton code, and number in the [`Index`].
-type CodedPoint = (u64, u32);
 
 /// Builds the sequential point tree of a scan, ready for the GPU; see [`build_point_tree`]. With `cull_backfaces`,
 /// discs whose sides are known are not read where they show the eye their backs.

@@ -11,7 +11,7 @@ use std::ops::Range;
 /// When a disc is drawn, and how large: everything that the GPU's test needs beside the position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DiscShape {
-    /// Step of tolerance from which on it is drawn: the disc's own error, and its floor; see [`super::mesh`].
+    /// Step of tolerance from which on it is drawn: the disc's own error, and its onset; see [`super::mesh`].
     pub min: u8,
     /// Step below which it is drawn: the error of its parent and the overlap; [`ENDLESS`] for the root.
     pub max: u8,
@@ -72,12 +72,12 @@ impl Sequence {
     pub fn new(tree: &PointTree, max_slope: f64) -> Self {
         let largest = tree.nodes.last().map_or(0.0, |root| root.diameter);
         let scale = StepScale::up_to(largest);
-        let floors = mesh::floors(tree, &scale);
+        let onsets = mesh::onsets(tree, &scale);
         let shape = |number: usize| {
             let shape = shape(tree, &scale, max_slope, number);
-            let floor = floors.get(number).copied().unwrap_or(0);
+            let onset = onsets.get(number).copied().unwrap_or(0);
             let radius = 0.5 * f64::from(tree.nodes[number].diameter);
-            DiscShape { min: shape.min.max(mesh::first_step(&scale, floor, radius, max_slope)), ..shape }
+            DiscShape { min: shape.min.max(mesh::first_step(&scale, onset, radius, max_slope)), ..shape }
         };
         let cluster = |node: u32| {
             let node = &tree.nodes[node as usize];

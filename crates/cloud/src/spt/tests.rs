@@ -16,7 +16,7 @@ pub(super) fn noise(seed: u32) -> impl FnMut(i32) -> i32 {
     }
 }
 
-fn tree_of(scan: &Scan) -> PointTree {
+pub(super) fn tree_of(scan: &Scan) -> PointTree {
     build_point_tree(scan, false, &Progress::hidden()).expect("a tree")
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use base::space::{Eye, Fov, Pose, View};
 use base::task::Progress;
 use cloud::octree::{Octree, build_octree};
-use cloud::{self, Cloud, Order};
+use cloud::{self, Cloud};
 use glam::DVec3;
 use lab::synth::{self, SynthKind, Viewpoint};
 use points::Scan;
@@ -126,7 +126,7 @@ impl ScanSource {
 /// # Errors
 /// If the scan is empty.
 pub fn flat(scan: &Scan) -> Result<Cloud> {
-    Ok(cloud::build(scan, Order::Morton, &Progress::hidden())?)
+    Ok(cloud::build(scan, &Progress::hidden())?)
 }
 
 /// The view of one eye of somebody who stands at a viewpoint, looking ahead.

@@ -12,15 +12,13 @@
 pub mod poses;
 
 use crate::picture::Picture;
-use crate::wait::{retry, wait_for};
+use crate::program::{self, Program, signal};
+use crate::wait::{LONGEST_S, retry};
 use std::fs::{self, File, TryLockError};
-use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Mutex, OnceLock};
-use std::thread::JoinHandle;
+use std::process::Command;
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Folder of the checkout.
@@ -44,6 +42,9 @@ fn script() -> PathBuf {
 /// time.
 const PLACES: usize = 2;
 
+/// Seconds that a test may wait for its turn: as long as all tests of a program take.
+const QUEUE_S: f64 = 3600.0;
+
 /// The right to run a runtime, of which a machine runs few at a time.
 pub struct RuntimeSlot {
     _place: File,
@@ -63,12 +64,9 @@ impl RuntimeSlot {
             Err(TryLockError::WouldBlock) => false,
             Err(TryLockError::Error(error)) => panic!("a lock file cannot be locked: {error}"),
         };
-        loop {
-            if let Some(place) = (0..PLACES).map(place).find(is_free) {
-                return Self { _place: place };
-            }
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        // Those before it may have long tests.
+        let turn = retry(QUEUE_S, || (0..PLACES).map(place).find(is_free).ok_or(()));
+        Self { _place: turn.expect("a turn") }
     }
 
     /// A runtime that shows nothing, with the remote device.
@@ -166,6 +164,13 @@ impl TestRuntime {
         self.variable("XRFAULT", what)
             .variable("XR_API_LAYER_PATH", layers.to_str().expect("a UTF-8 path"))
             .variable("XR_ENABLE_API_LAYERS", "XR_APILAYER_TEST_fault")
+            .variable("VK_ADD_LAYER_PATH", layers.join("vulkan").to_str().expect("a UTF-8 path"))
+            .variable("VK_INSTANCE_LAYERS", "VK_LAYER_TEST_fault")
+    }
+
+    /// What goes wrong waits for [`Running::let_fault_happen`]; frames are counted from then on.
+    pub fn fault_waits(self) -> Self {
+        self.variable("XRFAULT_WAITS", "1")
     }
 
     /// Starts the runtime not before [`Running::start_runtime`].
@@ -184,45 +189,19 @@ impl TestRuntime {
         // The folder is under /tmp, since the path of the runtime's socket must be short.
         let folder = tempfile::Builder::new().prefix("xr").tempdir_in("/tmp").expect("a temporary folder");
         let port = free_port();
-        let mut child = Command::new(script())
+        let mut command = program::command(script());
+        command
             .arg("run")
             .arg(program)
             .args(args)
             .env("XR_RUN", folder.path())
             .env("XR_REMOTE_PORT", port.to_string())
             .env("XR_TIMEOUT", self.timeout_s.to_string())
-            .envs(self.variables.iter().map(|(name, value)| (name, value)))
-            .stdin(Stdio::null())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("scripts/headless-runtime starts");
-        let (sender, lines) = channel();
-        let stdout = child.stdout.take().expect("piped");
-        std::thread::spawn(move || {
-            for line in BufReader::new(stdout).lines().map_while(Result::ok) {
-                if sender.send(line).is_err() {
-                    break;
-                }
-            }
-        });
-        let stderr = child.stderr.take().expect("piped");
-        let said: Arc<Mutex<String>> = Arc::default();
-        let stderr = std::thread::spawn({
-            let said = Arc::clone(&said);
-            move || {
-                for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
-                    *said.lock().expect("no panic") += &(String::from_utf8_lossy(&line).into_owned() + "\n");
-                }
-            }
-        });
+            .envs(self.variables.iter().map(|(name, value)| (name, value)));
         Running {
-            child,
+            script: Program::start(&mut command),
             port,
-            lines,
-            seen: Vec::new(),
-            stderr: Some(stderr),
-            said,
+            num_read: 0,
             folder: Some(folder),
             validate: self.validate,
             deadline: Instant::now() + Duration::from_secs(u64::from(self.timeout_s) + 30),
@@ -268,18 +247,31 @@ fn fault_layer() -> &'static Path {
             },
         });
         fs::write(target.join("faultlayer.json"), manifest.to_string()).expect("the manifest can be written");
+        // The same library is a layer of Vulkan's.
+        let manifest = serde_json::json!({
+            "file_format_version": "1.2.0",
+            "layer": {
+                "name": "VK_LAYER_TEST_fault",
+                "type": "GLOBAL",
+                "library_path": library,
+                "api_version": "1.3.0",
+                "implementation_version": "1",
+                "description": "loses the GPU",
+            },
+        });
+        let folder = target.join("vulkan");
+        fs::create_dir_all(&folder).expect("a folder in target");
+        fs::write(folder.join("faultlayer.json"), manifest.to_string()).expect("the manifest can be written");
         target
     })
 }
 
 /// A program that runs in a runtime. Dropping it stops both.
 pub struct Running {
-    child: Child,
+    script: Program,
     port: u16,
-    lines: Receiver<String>,
-    seen: Vec<String>,
-    stderr: Option<JoinHandle<()>>,
-    said: Arc<Mutex<String>>,
+    /// Bytes of the program's output that have been read.
+    num_read: usize,
     folder: Option<tempfile::TempDir>,
     validate: bool,
     deadline: Instant,
@@ -302,47 +294,36 @@ impl Running {
         crate::xwd::read(&self.folder().join("fb/Xvfb_screen0")).expect("the virtual screen")
     }
 
-    /// Waits for a line of the program's output for which `found` has a value.
+    /// Waits for a further line of the program's output for which `found` has a value.
     ///
     /// # Panics
-    /// If the program ends or is silent for 30 s.
+    /// If there is none before the program ends or is late.
     pub fn wait_for<T>(&mut self, what: &str, mut found: impl FnMut(&str) -> Option<T>) -> T {
-        let until = Instant::now() + Duration::from_secs(30);
-        loop {
-            let left = until.saturating_duration_since(Instant::now());
-            match self.lines.recv_timeout(left) {
-                Ok(line) => {
-                    let value = found(&line);
-                    self.seen.push(line);
-                    if let Some(value) = value {
-                        return value;
-                    }
-                }
-                Err(RecvTimeoutError::Timeout) => panic!("no {what} in 30 s; last: {:?}", self.seen.last()),
-                Err(RecvTimeoutError::Disconnected) => {
-                    let _ = self.child.wait();
-                    let said = self.all_said();
-                    panic!("ended without {what}; last: {:?}\n{said}", self.seen.last());
+        let (num_read, mut last) = (&mut self.num_read, String::new());
+        let value = self.script.find(LONGEST_S, |said| {
+            while let Some(length) = said.out[*num_read..].iter().position(|byte| *byte == b'\n') {
+                last = String::from_utf8_lossy(&said.out[*num_read..][..length]).into_owned();
+                *num_read += length + 1;
+                if let Some(value) = found(&last) {
+                    return Some(value);
                 }
             }
-        }
+            None
+        });
+        value.unwrap_or_else(|| panic!("no {what}; last: {last}\n{}", self.script.said()))
     }
 
     /// Waits until the program has said on stderr, `times` times by now, something that contains `words`.
     ///
     /// # Panics
-    /// If it has not within a minute.
+    /// If it does not.
     pub fn wait_until_said(&self, words: &str, times: usize) {
-        let said = retry(60.0, || {
-            let said = self.said.lock().expect("no panic").clone();
-            if said.matches(words).count() >= times { Ok(()) } else { Err(said) }
-        });
-        said.unwrap_or_else(|said| panic!("'{words}' was not said {times} times:\n{said}"));
+        self.script.wait_until_said(words, times);
     }
 
     /// All that the program has said on stderr so far.
     pub fn said(&self) -> String {
-        self.said.lock().expect("no panic").clone()
+        self.script.said()
     }
 
     /// Seconds until the program is late.
@@ -350,12 +331,9 @@ impl Running {
         self.deadline.saturating_duration_since(Instant::now()).as_secs_f64()
     }
 
-    /// All that the program has said on stderr, once it has ended.
-    fn all_said(&mut self) -> String {
-        if let Some(thread) = self.stderr.take() {
-            let _ = thread.join();
-        }
-        self.said.lock().expect("no panic").clone()
+    /// Lets happen what [`TestRuntime::fault_waits`] holds back.
+    pub fn let_fault_happen(&self) {
+        fs::write(self.folder().join("fault"), "").expect("the runtime's folder");
     }
 
     /// Kills the runtime, not the program.
@@ -365,7 +343,7 @@ impl Running {
 
     /// Starts the runtime again after [`Self::kill_runtime`], or at last after [`TestRuntime::later`].
     pub fn start_runtime(&self) {
-        signal("USR1", &self.child.id().to_string());
+        signal("USR1", &self.script.pid());
     }
 
     /// Asks the program to end, as a user would.
@@ -380,30 +358,21 @@ impl Running {
 
     /// Waits for the program's end.
     pub fn finish(mut self) -> Finished {
-        while let Ok(line) = self.lines.recv_timeout(Duration::from_secs_f64(self.seconds_left())) {
-            self.seen.push(line);
-        }
-        let left = self.seconds_left();
-        let status = wait_for("the program's end", left, || self.child.try_wait().expect("a child of ours"));
-        let code = status.code();
-        let stderr = self.all_said();
+        let output = self.script.end_within(self.seconds_left());
+        let lines = String::from_utf8_lossy(&output.out).lines().map(str::to_owned).collect();
         let folder = self.folder.take().expect("kept until the end");
-        Finished { code, lines: std::mem::take(&mut self.seen), stderr, folder, validated: self.validate }
+        Finished { code: output.code, lines, stderr: output.err, folder, validated: self.validate }
     }
 }
 
 impl Drop for Running {
     fn drop(&mut self) {
-        if let Ok(None) = self.child.try_wait() {
+        if self.script.is_running() {
             // TERM, unlike KILL, lets the script stop what it started.
-            signal("TERM", &self.child.id().to_string());
-            let _ = self.child.wait();
+            signal("TERM", &self.script.pid());
+            self.script.end_within(LONGEST_S);
         }
     }
-}
-
-fn signal(name: &str, pid: &str) {
-    let _ = Command::new("kill").args(["-s", name, pid]).status();
 }
 
 /// The result of a program's run.

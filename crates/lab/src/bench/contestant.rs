@@ -11,7 +11,7 @@ use cloud::Cloud;
 use render::DrawOptions;
 use render::gpu::{Gpu, readback};
 use render::layout::{COUNTERS_STRIDE, VISIBLE_PLANES, VisibleBatch};
-use render::options::{Quality, Tier};
+use render::options::Quality;
 use render::technique::Technique;
 use render::{CloudBuffers, EyeImage, FrameTimes, IMAGE_USAGES, Renderer, Setup, tier};
 use std::sync::Arc;
@@ -90,7 +90,7 @@ impl Compute {
         options: DrawOptions,
         (technique, open): (LabTechnique, Box<dyn Technique>),
     ) -> Result<Self> {
-        let atomics = tier(gpu, Tier::Auto)?;
+        let atomics = tier(gpu, None)?;
         technique.check(gpu, atomics)?;
         let setup = Setup { sizes_px: sizes_px.to_vec(), color_format: FORMAT, depth_format: None, atomics };
         let renderer = Renderer::with_technique(gpu, setup, options, open)?;
@@ -195,7 +195,7 @@ impl Counter {
             }
         }
         let is_narrow = options.quality == Quality::Hqs || self.method == Method::BusyLoop;
-        let pixels = sum(|bin| bin.num_looks) * if is_narrow { 4 } else { 8 };
+        let pixels = sum(|bin| bin.num_reads) * if is_narrow { 4 } else { 8 };
         Ok(FrameCounts {
             num_batches,
             num_batches_drawn: times.visible_batches.into(),
@@ -250,7 +250,7 @@ impl Hardware {
 }
 
 fn wait(gpu: &Gpu) -> Result<()> {
-    gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
+    gpu.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
     Ok(())
 }
 

@@ -25,7 +25,7 @@ pub fn gb_per_s(gpu: &Gpu) -> Result<f64> {
         let commands = encoder.finish();
         let began = Instant::now();
         gpu.queue.lock().submit([commands]);
-        gpu.device.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
+        gpu.poll(wgpu::PollType::wait_indefinitely()).context("the GPU stopped answering")?;
         rates.push(2e-9 * bytes as f64 / began.elapsed().as_secs_f64());
     }
     rates.remove(0);

@@ -30,19 +30,20 @@ const GPU_POINTS: u64 = 145_000_000;
 /// Bytes of memory that a point takes at most, while scan, cloud and octree are made.
 const BYTES_PER_POINT: u64 = 100;
 
-/// A table of a paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Table {
-    /// 40-bit depths and two passes beside hardware points.
-    Paper2019,
-    /// Methods × orders × viewpoints.
-    Paper2021,
-    /// Flat clouds and octrees.
-    Paper2022,
-    /// Where the time of a headset's frame goes.
-    Vr,
-    /// Sequential point trees beside octrees.
-    Spt,
+base::choice! {
+    /// Tables of the papers.
+    pub enum Table {
+        /// 40-bit depths and two passes beside hardware points.
+        Paper2019 = "2019",
+        /// Methods × orders × viewpoints.
+        Paper2021 = "2021",
+        /// Flat clouds and octrees, batches, quantized coordinates.
+        Paper2022 = "2022",
+        /// Where the time of a headset's frame goes.
+        Vr = "vr",
+        /// Sequential point trees beside octrees.
+        Spt = "spt",
+    }
 }
 
 /// What to measure.
@@ -54,8 +55,8 @@ pub struct BenchOptions {
     pub read: ReadOptions,
     /// Where somebody stands in the scan.
     pub eyes: EyesIn,
-    /// Part of the GPU's name; empty: the fastest kind there is.
-    pub adapter: String,
+    /// The GPU to measure.
+    pub gpu: Arc<Gpu>,
     /// Draw options of a headset by default.
     pub headset_options: DrawOptions,
     /// Largest part of the point pool that one binding holds, in bytes; 0: as much as the GPU allows.
@@ -87,7 +88,7 @@ pub fn methods(tables: &[Table]) -> Vec<&'static str> {
 /// A GPU that tells no times or lacks 64-bit atomics, an unreadable scan, too little memory.
 pub fn run(options: &BenchOptions, task: &Task) -> Result<BenchResults> {
     ensure!(options.num_runs > 0, "--runs 0: a median needs a run");
-    let gpu = Arc::new(Gpu::open(Some(&options.adapter))?);
+    let gpu = &options.gpu;
     let can_time = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
     ensure!(
         can_time,
@@ -101,7 +102,7 @@ pub fn run(options: &BenchOptions, task: &Task) -> Result<BenchResults> {
         );
     }
     let bench = tables::Bench {
-        gpu: &gpu,
+        gpu,
         chunk_limit: options.chunk_limit,
         headset_options: options.headset_options,
         num_runs: options.num_runs,
@@ -112,7 +113,7 @@ pub fn run(options: &BenchOptions, task: &Task) -> Result<BenchResults> {
     let mut results = BenchResults {
         device: gpu.name(),
         driver: gpu.driver(),
-        copy_gb_per_s: Some(copy::gb_per_s(&gpu)?),
+        copy_gb_per_s: Some(copy::gb_per_s(gpu)?),
         rows: Vec::new(),
     };
     let mut measure = |subject: &Subject| -> Result<()> {
@@ -132,7 +133,7 @@ pub fn run(options: &BenchOptions, task: &Task) -> Result<BenchResults> {
         measure(&Subject::read(path, options, task)?)?;
     } else {
         let sizes =
-            if options.points.is_empty() { vec![default_points(&gpu)] } else { options.points.clone() };
+            if options.points.is_empty() { vec![default_points(gpu)] } else { options.points.clone() };
         for points in sizes {
             for model in
                 in_order(options.tables.iter().flat_map(|&table| tables::models(table).iter().copied()))

@@ -74,7 +74,7 @@ impl VertexList {
     pub fn new(gpu: &Gpu, cloud: &Cloud, sizes_px: &[[u32; 2]]) -> Result<Self> {
         let wgsl = VERTEX_LIST.source(Variant::eyes(1));
         let pipeline = pipeline(gpu, &wgsl);
-        let bindings = Bindings::of(VERTEX_LIST.name(), &wgsl, "vertex");
+        let bindings = Bindings::of(VERTEX_LIST.name(), &wgsl, "vertex", &[])?;
         let eye = |&size_px: &[u32; 2]| EyeTarget::new(gpu, &pipeline, &bindings, size_px);
         let eyes: Vec<_> = sizes_px.iter().map(eye).collect();
         let timer = Timer::new(gpu, 1, eyes[0].matrix.size());
@@ -248,7 +248,7 @@ fn upload(gpu: &Gpu, cloud: &Cloud) -> Result<Vec<(wgpu::Buffer, u32)>> {
                 queue.submit([]);
             }
             offset += vertices.len() as u64 * vertex_bytes;
-            gpu.device.poll(wgpu::PollType::wait_indefinitely())?;
+            gpu.poll(wgpu::PollType::wait_indefinitely())?;
         }
         buffers.push((buffer, num_points));
     }

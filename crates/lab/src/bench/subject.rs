@@ -1,14 +1,15 @@
 //! The scan that is measured with, in any order, and the places that it is drawn from.
 
 use super::BenchOptions;
+use crate::order::Order;
 use crate::synth::{self, SynthKind, SynthOptions};
 use anyhow::Result;
 use base::output::Output;
 use base::space::{Bounds, Eye, Fov, Pose, View};
 use base::task::{Progress, Task};
+use cloud::Cloud;
 use cloud::octree::{Octree, build_octree};
 use cloud::spt::{SequentialCloud, build_spt};
-use cloud::{self, Cloud, Order};
 use glam::DVec3;
 use points::{self, ReadOptions, Scan};
 use std::path::{Path, PathBuf};
@@ -82,7 +83,7 @@ impl Subject {
         let out = folder.path().join("made-up.las");
         let output = Output::new(&out, synth::SCAN)?;
         synth::write(&SynthOptions { kind, out: output, points, seed: SEED }, task)?;
-        let scan = points::read(&[out], &ReadOptions::default(), task)?;
+        let scan = points::read(&[out], &ReadOptions::AS_FILES_SAY, task)?;
         let own =
             || synth::viewpoints(kind).iter().map(|p| Camera { name: p.name, eye: p.eye, target: p.target });
         let place = |name| own().find(|place| place.name == name).map(|place| (place.eye, place.target));
@@ -109,7 +110,7 @@ impl Subject {
     pub fn read(path: &Path, options: &BenchOptions, task: &Task) -> Result<Self> {
         let paths: [PathBuf; 1] = [path.to_owned()];
         let scan = points::read(&paths, &options.read, task)?;
-        let cloud = cloud::build(&scan, Order::Original, &Progress::silent(task.cancel_token()))?;
+        let cloud = Order::Original.build(&scan, &Progress::silent(task.cancel_token()))?;
         let [overview, inside] = (options.eyes)(&cloud.scene, scan.unit_m.unwrap_or(1.0));
         let (center, ahead) = (cloud.scene.bounds.center(), inside + DVec3::Y);
         let places = places(&scan.scene.bounds, (overview, center), (inside, ahead));
@@ -128,7 +129,7 @@ impl Subject {
     /// If the task is cancelled.
     pub fn flat(&self, order: Order, task: &Task) -> Result<Cloud> {
         let sorting = task.begin("sorting", "points", self.num_points());
-        Ok(cloud::build(&self.scan, order, &sorting)?)
+        Ok(order.build(&self.scan, &sorting)?)
     }
 
     /// The flat cloud of all points in Morton order, in batches of `batch_points`.
@@ -137,7 +138,7 @@ impl Subject {
     /// If the task is cancelled.
     pub fn in_batches(&self, batch_points: u32, task: &Task) -> Result<Cloud> {
         let sorting = task.begin("sorting", "points", self.num_points());
-        Ok(cloud::build_in_batches(&self.scan, Order::Morton, batch_points, &sorting)?)
+        Ok(cloud::build_rearranged(&self.scan, batch_points, |_, _| {}, &sorting)?)
     }
 
     /// The sequential point tree.

@@ -5,12 +5,13 @@ use super::contestant::{Compute, Counter, FrameCounts, FrameMs, Hardware};
 use super::rows::{RowGroup, TimedFrames, gpu_ms, hardware_load, row, row_of_frames};
 use super::subject::{Camera, Model, Subject};
 use super::way::{CloudForm, Way};
+use crate::order::Order;
 use crate::report::BenchRow;
 use crate::technique::{LabTechnique, Method, tree};
 use anyhow::{Result, ensure};
 use base::space::View;
 use base::task::{Progress, Task};
-use cloud::{Cloud, Order};
+use cloud::Cloud;
 use render::CloudBuffers;
 use render::DrawOptions;
 use render::gpu::Gpu;
@@ -29,13 +30,6 @@ const SIZE_2021_PX: [u32; 2] = [1920, 1080];
 const SIZE_2022_PX: [u32; 2] = [2560, 1140];
 /// Pixels of an eye: the 2022 paper's, 150 % of a Valve Index, and a plain Index.
 const SIZES_VR_PX: [[u32; 2]; 2] = [[2478, 2740], [1440, 1600]];
-/// Orders of the 2021 paper.
-const ORDERS: [(Order, &str); 4] = [
-    (Order::Original, "original"),
-    (Order::Morton, "morton"),
-    (Order::Shuffled, "shuffled"),
-    (Order::ShuffledMorton, "shuffled-morton"),
-];
 /// Methods of the 2021 paper, that of the poster of 2019, and the frame's own.
 const METHODS_2021: [Method; 13] = [
     Method::JustSet,
@@ -191,8 +185,8 @@ impl Bench<'_> {
         let mut contestants = self.contestants(ways_2021(), SIZE_2021_PX)?;
         let places = subject.places(places(Table::Paper2021, subject.model));
         let mut rows = Vec::new();
-        for (order, name) in ORDERS {
-            let of = RowGroup { table: "2021", order: name, subject };
+        for order in Order::ALL {
+            let of = RowGroup { table: "2021", order: order.name(), subject };
             rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
         }
         if subject.model == Model::Statue {
@@ -236,8 +230,8 @@ impl Bench<'_> {
             let prefetch = Way::paper_2022("prefetch", Method::Prefetch, Quality::Closest, CloudForm::Flat);
             let mut contestants = self.contestants(vec![prefetch], SIZE_2022_PX)?;
             let places = subject.places(&["overview", "close-up"]);
-            for (order, name) in [(Order::Original, "original"), (Order::Morton, "morton")] {
-                let of = RowGroup { table: "2022-order", order: name, subject };
+            for order in [Order::Original, Order::Morton] {
+                let of = RowGroup { table: "2022-order", order: order.name(), subject };
                 rows.extend(self.flat_rows(of, order, &mut contestants, &places)?);
             }
         }
@@ -267,7 +261,7 @@ impl Bench<'_> {
             |way: &Way| self.methods.is_empty() || self.methods.iter().any(|name| name == way.name);
         ways.retain(|way| is_wanted(way) && (way.method != Some(Method::Fixed40) || self.gpu.has_f64()));
         let contestant = |way: Way| {
-            let (options, technique) = (way.options(), way.technique());
+            let (options, technique) = (way.options(&self.headset_options.detail), way.technique());
             let compute = Compute::new(self.gpu, &[size_px], options, technique)?;
             Ok((way, compute, Counter::new(self.gpu, &[size_px], options, technique)?))
         };
@@ -275,7 +269,12 @@ impl Bench<'_> {
         Ok(TableContestants {
             size_px,
             ways: ways.into_iter().map(contestant).collect::<Result<_>>()?,
-            asked: Counter::new(self.gpu, &[size_px], asks.options(), asks.technique())?,
+            asked: Counter::new(
+                self.gpu,
+                &[size_px],
+                asks.options(&self.headset_options.detail),
+                asks.technique(),
+            )?,
         })
     }
 
@@ -382,7 +381,7 @@ impl Bench<'_> {
         let place = subject.places(places(Table::Vr, subject.model))[0];
         let both_eyes = place.stereo(size_px);
         let one_eye = View { eyes: both_eyes.eyes[..1].to_vec(), near: both_eyes.near };
-        let own = LabTechnique::default();
+        let own = LabTechnique::OWN;
         let mut both = Compute::new(self.gpu, &[size_px; 2], options, own)?;
         let mut one = Compute::new(self.gpu, &[size_px], options, own)?;
         let load = Counter::new(self.gpu, &[size_px; 2], options, own)?.load(cloud, &both_eyes)?;

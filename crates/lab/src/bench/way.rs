@@ -47,7 +47,7 @@ impl Way {
     /// The way of the 2021 paper: every point, all coordinate bits.
     #[must_use]
     pub fn paper_2021(method: Method) -> Self {
-        let quality = method.quality().unwrap_or_default();
+        let quality = method.quality().unwrap_or(Quality::Closest);
         Self { name: method.name(), method: Some(method), quality, ..Self::POINT_LIST }
     }
 
@@ -57,11 +57,11 @@ impl Way {
         Self { name, method: Some(method), quality, form, cull: true, precision: Precision::Auto }
     }
 
-    /// Draw options of its frames.
+    /// Draw options of its frames, where level of detail has the rings and thresholds of `headset`.
     #[must_use]
-    pub fn options(&self) -> DrawOptions {
+    pub fn options(&self, headset: &Detail) -> DrawOptions {
         let forced_planes = if self.precision == Precision::Full { ALL_PLANES } else { 0 };
-        let plain = Detail { forced_planes, ..Detail::default() };
+        let plain = Detail { forced_planes, smooth: false, fade: false, fill_reach_px: None, ..*headset };
         // Discs are drawn at their own width only with fill, which is on for that reason although nothing is dilated.
         let discs = Detail { fill_reach_px: Some([1.0; 3]), ..plain };
         DrawOptions {
@@ -77,10 +77,10 @@ impl Way {
     #[must_use]
     pub fn technique(&self) -> LabTechnique {
         LabTechnique {
-            method: self.method.unwrap_or_default(),
+            method: self.method.unwrap_or(Method::Prefetch),
             keep_unseen: !self.cull,
             error_px: (self.form == CloudForm::Spt).then_some(DEFAULT_ERROR_PX as f32),
-            ..LabTechnique::default()
+            ..LabTechnique::OWN
         }
     }
 }

@@ -54,17 +54,6 @@ pub(super) fn phases(log: &FrameLogFile) -> Option<Markup> {
     Some(page::figure(lane(log, "phase", |frame| place(frame.phase), &marks), caption))
 }
 
-/// Figure of the states of the headset's session; `None` if the log has a single one.
-pub(super) fn sessions(log: &FrameLogFile) -> Option<Markup> {
-    if log.sessions.len() < 2 {
-        return None;
-    }
-    let marks: Vec<_> = log.sessions.iter().enumerate().map(|(at, name)| (at as f64, name.clone())).collect();
-    let figure = |frame: &LoggedFrame| frame.session.map_or(f64::NAN, f64::from);
-    let caption = "State of the headset's session, as OpenXR names it; simulated: there was none.";
-    Some(page::figure(lane(log, "session", figure, &marks), caption))
-}
-
 /// Plots one figure along the time, with these values marked.
 fn lane(
     log: &FrameLogFile,

@@ -70,7 +70,10 @@ impl Plot {
         for tick in self.x.ticks(8) {
             let x = self.x(tick);
             self.line("grid", [x, self.area.top], [x, bottom]);
-            self.write("mark middle", [x, bottom + 14.0], &label(tick));
+            // The first and the last would be cut off at the plot's edges.
+            let text = label(tick);
+            let half = 0.5 * CHAR * text.chars().count() as f64;
+            self.write("mark middle", [x.clamp(half, WIDTH - half), bottom + 14.0], &text);
         }
         self.write("mark end", [self.area.left + self.area.width, bottom + 29.0], name);
     }
@@ -104,6 +107,11 @@ impl Plot {
     /// Point of a path in the middle of one of `num` pixel columns.
     pub(super) fn at_column(&self, column: usize, num: usize, y: f64) -> [f64; 2] {
         [self.across((column as f64 + 0.5) / num as f64), self.y(y)]
+    }
+
+    /// Point of a path at the left edge of one of `num` pixel columns; at the right edge of all for column number `num`.
+    pub(super) fn at_edge(&self, column: usize, num: usize, y: f64) -> [f64; 2] {
+        [self.across(column as f64 / num.max(1) as f64), self.y(y)]
     }
 
     /// The point `units` above the bottom of the drawing area, below or above this point.

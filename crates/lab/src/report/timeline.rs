@@ -1,4 +1,5 @@
-//! GPU time of every frame along the walk, with the budget, the frames over it and the missed displays.
+//! GPU and CPU time of every frame along the walk, with the budget, the frames over it, the missed displays, and the states of
+//! the headset's session as bands behind them.
 
 use super::axis::Axis;
 use super::markup::Markup;
@@ -7,11 +8,12 @@ use super::reduce::{PixelColumn, columns, held};
 use super::summary::Summary;
 use super::svg::{Path, Plot, RIGHT};
 use base::words::counted;
-use timing::{FrameLogFile, LoggedFrame};
+use timing::{FrameLogFile, LoggedFrame, Phase};
 
-/// Room for marks beside every plot along the time, the same for all, so that their time axes line up. The longest mark
-/// is a session's state, SYNCHRONIZED.
-pub(super) const SIDES: [f64; 2] = [100.0, RIGHT];
+/// Room for marks beside every plot along the time, the same for all, so that their time axes line up.
+pub(super) const SIDES: [f64; 2] = [82.0, RIGHT];
+/// Colors that `page.css` has for bands; of more states, some share one.
+const NUM_BANDS: usize = 8;
 const HEIGHT: f64 = 240.0;
 /// How far marks of missed displays reach up from the time axis, in units.
 const MISSED_UNITS: f64 = 10.0;
@@ -48,17 +50,21 @@ pub(super) fn through(plot: &Plot, columns: &[Option<PixelColumn>]) -> Path {
     path
 }
 
-/// Figure of the GPU time of every frame.
+/// Figure of the times of every frame.
 pub(super) fn timeline(log: &FrameLogFile, summary: &Summary) -> Markup {
     let top_ms = summary.plotted_ms();
     let mut plot = Plot::new(
-        "GPU milliseconds of every frame along the walk",
+        "GPU and CPU milliseconds of every frame along the walk",
         [time_axis(log), Axis::linear(0.0, top_ms)],
         SIDES,
         HEIGHT,
     );
+    let states = bands(&mut plot, log, top_ms);
     plot.mark_x("seconds");
     plot.mark_y(6, "ms");
+    // A frame that nobody was to see took the CPU no work of ours.
+    let cpu = |frame: &LoggedFrame| if frame.phase == Phase::Unseen { f64::NAN } else { cpu_ms(frame) };
+    plot.path("cpu", through(&plot, &along_time(&plot, &log.frames, cpu)));
     let frames = along_time(&plot, &log.frames, |frame| frame.gpu_ms);
     plot.path("frames", through(&plot, &frames));
     let over =
@@ -70,17 +76,48 @@ pub(super) fn timeline(log: &FrameLogFile, summary: &Summary) -> Markup {
     plot.path("missed", missed_marks(&plot, &missed));
     let keys = [
         ("good", "a frame's GPU time"),
+        ("cpu", "its CPU time, to record and to submit"),
         ("over", "the part of it over the budget, and the budget, dashed"),
         ("missed", "displays without a new image"),
     ];
-    page::figure([plot.finish(), page::keys(keys)], &caption(log, top_ms))
+    let states = states.iter().map(|(class, name)| (class.as_str(), name.as_str()));
+    page::figure([plot.finish(), page::keys(keys.into_iter().chain(states))], &caption(log, top_ms))
+}
+
+/// What the frame thread works on a frame, without its waiting for the headset.
+fn cpu_ms(frame: &LoggedFrame) -> f64 {
+    let [_, record_ms, submit_ms] = frame.cpu_ms;
+    record_ms + submit_ms
+}
+
+/// Draws the states of the headset's session as bands; returns their classes and names. One that stays the same has none.
+fn bands(plot: &mut Plot, log: &FrameLogFile, top_ms: f64) -> Vec<(String, String)> {
+    if log.sessions.len() < 2 {
+        return Vec::new();
+    }
+    let states = log.sessions.iter().enumerate();
+    let keys: Vec<_> = states.map(|(at, name)| (format!("band{}", at % NUM_BANDS), name.clone())).collect();
+    let session = |frame: &LoggedFrame| frame.session.map_or(f64::NAN, f64::from);
+    let columns = held(along_time(plot, &log.frames, session));
+    let state = |column: &Option<PixelColumn>| column.map(|column| column.last as usize);
+    let mut begin = 0;
+    for run in columns.chunk_by(|a, b| state(a) == state(b)) {
+        let end = begin + run.len();
+        if let Some((class, name)) = state(&run[0]).and_then(|state| keys.get(state)) {
+            let corners = [plot.at_edge(begin, columns.len(), 0.0), plot.at_edge(end, columns.len(), top_ms)];
+            plot.bar(class, corners, name);
+        }
+        begin = end;
+    }
+    keys
 }
 
 fn caption(log: &FrameLogFile, top_ms: f64) -> String {
     let beyond = log.frames.iter().filter(|frame| frame.gpu_ms > top_ms);
     let (num, longest_ms) = beyond.fold((0, 0.0_f64), |(num, ms), frame| (num + 1, ms.max(frame.gpu_ms)));
-    let drawn = "GPU milliseconds of each frame, by its time in the walk. Where a pixel has several frames, the \
-                 line spans the shortest and the longest of them.";
+    let drawn = "Milliseconds of each frame, by its time in the walk. Where a pixel has several frames, the lines span the \
+                 shortest and the longest of them. Behind them: states of the headset's session, as OpenXR names them, \
+                 where there were several; simulated: there was none.";
     match num {
         0 => drawn.into(),
         1 => format!("{drawn} One frame goes beyond the top: {longest_ms:.1} ms."),

@@ -4,7 +4,7 @@ use super::histogram::histogram;
 use super::markup::Markup;
 use super::page::{self, Page};
 use super::stack::stack;
-use super::steps::{governor, phases, sessions};
+use super::steps::{governor, phases};
 use super::summary::{NO_GPU_TIMES, Summary};
 use super::table::{TextTable, ms};
 use super::timeline::timeline;
@@ -33,12 +33,13 @@ pub fn walk_page(log: &FrameLogFile) -> String {
     }
     if summary.gpu_ms.num() == 0 {
         page.add(page::note(NO_GPU_TIMES));
-    } else {
-        page.section("Frame by frame");
-        page.add(timeline(log, &summary));
-        for lane in [phases(log), sessions(log)].into_iter().flatten() {
-            page.add(lane);
-        }
+    }
+    page.section("Frame by frame");
+    page.add(timeline(log, &summary));
+    if let Some(phases) = phases(log) {
+        page.add(phases);
+    }
+    if summary.gpu_ms.num() > 0 {
         page.section("How long frames take");
         let (low, high) = summary.budget_ms;
         let budgets = if low == high { vec![low] } else { vec![low, high] };

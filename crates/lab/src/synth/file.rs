@@ -116,6 +116,19 @@ const ENDINGS: [&str; 3] = ["las", "laz", "ply"];
 /// A made-up scan.
 pub const SCAN: OutputKind = OutputKind::Scan(&ENDINGS);
 
+/// Help text for the file that is made.
+#[must_use]
+pub fn out_help() -> String {
+    let endings = ENDINGS.map(|ending| format!(".{ending}")).join(", ");
+    let is_mesh = |at: &usize| FileFormat::ALL[*at] == FileFormat::Ply;
+    let meshes: Vec<&str> = (0..ENDINGS.len()).filter(is_mesh).map(|at| ENDINGS[at]).collect();
+    format!(
+        "The file to write, which must not be there yet (see --force). Its name ends in {endings}; .{} is a mesh with \
+         normals, for photogrammetry only",
+        meshes.join(" or .")
+    )
+}
+
 /// Most points of a mesh; each takes about 150 bytes of memory while the mesh is made.
 const MOST_MESH_POINTS: u64 = 100_000_000;
 

@@ -88,7 +88,7 @@ impl WrittenHeader {
         let new = self.format == WrittenFormat::Rgb7;
         let header_size: u16 = if new { 375 } else { 227 };
         let vlr_bytes = if self.laz.is_some() { 54 + self.laz_record().len() as u32 } else { 0 };
-        // The old header's 32-bit counts stay 0 with format 7 [LAS 1.4 R15, 2.4].
+        // The old header's 32-bit counts stay 0 with format 7 [LAS §2.4].
         let legacy = |count: u64| if new { 0 } else { u32::try_from(count).unwrap_or(0) };
         las::raw::Header {
             version: las::Version::new(1, if new { 4 } else { 2 }),

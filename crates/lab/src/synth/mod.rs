@@ -32,23 +32,24 @@ mod span;
 mod statue;
 mod terrestrial;
 
-pub use file::{SCAN, SynthError};
+pub use file::{SCAN, SynthError, out_help};
 
 use base::output::Output;
 use base::space::Bounds;
 use base::task::Task;
 use glam::DVec3;
 
-/// The kind of a scan: the device that made it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum SynthKind {
-    /// A courtyard, by a scanner on two stations: columns of rising elevation (LAS 1.4, point format 7).
-    Terrestrial,
-    /// 1 km² of land with a village, from an aircraft: strips, up to three returns (LAS 1.4, point format 7).
-    Aerial,
-    /// A statue, from photographs: dense, noisy, tile by tile (LAS 1.2, point format 2, 8-bit colors); or, as
-    /// .ply, its mesh, smooth and complete.
-    Photogrammetry,
+base::choice! {
+    /// The kind of a scan: the device that made it.
+    pub enum SynthKind {
+        /// A courtyard, by a scanner on two stations: columns of rising elevation (LAS 1.4, point format 7).
+        Terrestrial = "terrestrial",
+        /// 1 km² of land with a village, from an aircraft: strips, up to three returns (LAS 1.4, point format 7).
+        Aerial = "aerial",
+        /// A statue, from photographs: dense, noisy, tile by tile (LAS 1.2, point format 2, 8-bit colors); or, as
+        /// .ply, its mesh, smooth and complete.
+        Photogrammetry = "photogrammetry",
+    }
 }
 
 /// What to make.

@@ -17,7 +17,7 @@ pub struct Counts {
     /// Atomics for pixels, or writes in methods without atomics.
     pub num_asked: u32,
     /// Loads of a pixel's word, to see whether it is worth an atomic, or how near the surface is.
-    pub num_looks: u32,
+    pub num_reads: u32,
     /// Loads of a point's color.
     pub num_colors: u32,
     /// Discs of a point tree that the tolerance chooses, in the picture or not; each geometry stage counts them again.

@@ -6,7 +6,7 @@ use render::Access;
 use render::Parts;
 use render::bindings::{EyeSet, GeometrySet};
 use render::gpu::Gpu;
-use render::gpu::stage::Stage;
+use render::gpu::stage::{ShaderError, Stage};
 use render::layout::{EMPTY_KEY, Variant};
 use render::shaders::{self, ShaderOfSet, parts};
 use render::technique::{ClearedTarget, Nearest, Pieces, Recording};
@@ -104,14 +104,14 @@ pub(super) struct Fixed40 {
 }
 
 impl Fixed40 {
-    pub fn new(gpu: &Gpu, variant: Variant, access: Access) -> Self {
-        Self {
-            depth: Stage::of(gpu, shaders::DEPTH, variant, access),
-            shade: Stage::of(gpu, SHADE40, variant, access),
+    pub fn new(gpu: &Gpu, variant: Variant, access: Access, others: &[&str]) -> Result<Self, ShaderError> {
+        Ok(Self {
+            depth: Stage::of(gpu, shaders::DEPTH, variant, access, others)?,
+            shade: Stage::of(gpu, SHADE40, variant, access, others)?,
             depth_groups: vec![],
             shade_groups: vec![],
             keys_are_new: Cell::new(true),
-        }
+        })
     }
 }
 

@@ -1,107 +1,62 @@
 //! The ways to put points into pixels that the papers compare. All draw the same picture, and differ in time. The
-//! exceptions are [`Method::JustSet`], [`Method::Hqs1`] where a pixel gets more points than it can count, and points
+//! exceptions are those of [`Method::shows_the_last`], [`Method::Hqs1`] where a pixel gets more points than it can count, and points
 //! that are equally far: [`Method::PointList`] shows any of them, and [`Method::Fixed40`], to whose precision more are
 //! equally far, shows the smaller color.
 
 use render::layout::Sums;
 use render::options::Quality;
-use serde::{Deserialize, Serialize};
 
-/// How early-z loads a pixel, before it decides whether to ask for it by an atomic operation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum EarlyZLoad {
-    /// An atomic load, which may bypass the GPU's first cache.
-    #[default]
-    Atomic,
-    /// A plain load, as in the papers. Its value may be out of date, which costs an atomic operation and no more.
-    Plain,
+base::choice! {
+    /// How early-z loads a pixel, before it decides whether to ask for it by an atomic operation.
+    pub enum EarlyZLoad {
+        /// An atomic load, which may bypass the GPU's first cache.
+        Atomic = "atomic",
+        /// A plain load as in the papers, which a GPU may answer from its first cache, at the cost of an atomic
+        /// operation where that is out of date.
+        Plain = "plain",
+    }
 }
 
-/// How points get into pixels, by the papers' names.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// The hardware's own points: what the papers measure against [2022 §4.1].
-    PointList,
-    /// Four points a thread, loaded at once, and a look at the pixel first [2022 §3.4]: the frame's own.
-    #[default]
-    Prefetch,
-    /// One point a thread at a time, after a look at the pixel [2022 §3.2].
-    Basic,
-    /// Whoever comes last has the pixel: wrong, and as fast as writing can be [2021 §5].
-    JustSet,
-    /// Wait until nobody has the pixel locked, lock it, write, unlock it [2021 §2.2, §5].
-    BusyLoop,
-    /// Without a lock: a thread compares and exchanges the pixel until no other comes between.
-    ExchangeLoop,
-    /// Every point asks for its pixel [2021 §3.1].
-    AtomicMin,
-    /// A look at the pixel first [2021 §3.2].
-    EarlyZ,
-    /// A subgroup that has only one pixel asks once, and so do pairs of threads [2021 §3.3].
-    Reduce,
-    /// A look at the pixel first, then as `reduce` [2021 §3.2, §3.3].
-    ReduceEarlyZ,
-    /// A look at the pixel first, then a subgroup asks for each of its pixels once [2021 §3.4, §5].
-    Dedup,
-    /// High-quality shading by two 64-bit additions a point [2021 §3.5].
-    Hqs,
-    /// High-quality shading by one 64-bit addition a point, exact up to 1023 points a pixel [2021 §3.5.1].
-    Hqs1,
-    /// High-quality shading by one 64-bit addition a point, and further ones where that is not enough [2021 §3.5.1].
-    Hqs1r,
-    /// Depth in 40-bit integers from f64 with the color below it, and `resolve` clears the target [2019 §2.1].
-    Fixed40,
-    /// [`Self::JustSet`] in the loop of [`Self::Prefetch`]: for tables, not for settings.
-    #[serde(skip)]
-    #[value(skip)]
-    PrefetchJustSet,
+base::choice! {
+    /// How points get into pixels, by the papers' names.
+    pub enum Method {
+        /// As the frame does it, which is the fastest, four points a thread, loaded at once, after a look at the
+        /// pixel [2022 §3.4].
+        Prefetch = "prefetch",
+        /// One point a thread at a time, after a look at the pixel [2022 §3.2].
+        Basic = "basic",
+        /// Whoever comes last has the pixel, which is wrong, and as fast as writing can be [2021 §5].
+        JustSet = "just-set",
+        /// Wait until nobody has the pixel locked, lock it, write, unlock it [2021 §2.2, §5].
+        BusyLoop = "busy-loop",
+        /// Without a lock, a thread compares and exchanges the pixel until no other comes between.
+        ExchangeLoop = "exchange-loop",
+        /// Every point asks for its pixel [2021 §3.1].
+        AtomicMin = "atomic-min",
+        /// A look at the pixel first [2021 §3.2].
+        EarlyZ = "early-z",
+        /// A subgroup that has only one pixel asks once, and so do pairs of threads [2021 §3.3].
+        Reduce = "reduce",
+        /// A look at the pixel first, then as `reduce` [2021 §3.2, §3.3].
+        ReduceEarlyZ = "reduce-early-z",
+        /// A look at the pixel first, then a subgroup asks for each of its pixels once [2021 §3.4, §5].
+        Dedup = "dedup",
+        /// The hardware's own points, which the papers measure against [2022 §4.1].
+        PointList = "point-list",
+        /// High-quality shading by two 64-bit additions a point [2021 §3.5].
+        Hqs = "hqs",
+        /// High-quality shading by one 64-bit addition a point, exact up to 1023 points a pixel [2021 §3.5.1].
+        Hqs1 = "hqs1",
+        /// High-quality shading by one 64-bit addition a point, and further ones where that is not enough [2021 §3.5.1].
+        Hqs1r = "hqs1r",
+        /// Depth in 40-bit integers from f64 with the color below it, and `resolve` clears the target [2019 §2.1].
+        Fixed40 = "fixed40",
+        /// As `just-set` in the loop of `prefetch`, which is wrong too.
+        PrefetchJustSet = "prefetch-just-set",
+    }
 }
 
 impl Method {
-    /// All methods that settings may name.
-    pub const ALL: [Self; 15] = [
-        Self::PointList,
-        Self::Prefetch,
-        Self::Basic,
-        Self::JustSet,
-        Self::BusyLoop,
-        Self::ExchangeLoop,
-        Self::AtomicMin,
-        Self::EarlyZ,
-        Self::Reduce,
-        Self::ReduceEarlyZ,
-        Self::Dedup,
-        Self::Hqs,
-        Self::Hqs1,
-        Self::Hqs1r,
-        Self::Fixed40,
-    ];
-
-    /// The name in settings, tables and the papers.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::PointList => "point-list",
-            Self::Prefetch => "prefetch",
-            Self::Basic => "basic",
-            Self::JustSet => "just-set",
-            Self::PrefetchJustSet => "prefetch-just-set",
-            Self::BusyLoop => "busy-loop",
-            Self::ExchangeLoop => "exchange-loop",
-            Self::AtomicMin => "atomic-min",
-            Self::EarlyZ => "early-z",
-            Self::Reduce => "reduce",
-            Self::ReduceEarlyZ => "reduce-early-z",
-            Self::Dedup => "dedup",
-            Self::Hqs => "hqs",
-            Self::Hqs1 => "hqs1",
-            Self::Hqs1r => "hqs1r",
-            Self::Fixed40 => "fixed40",
-        }
-    }
-
     /// The quality that the method draws; `None` if it draws either.
     #[must_use]
     pub fn quality(self) -> Option<Quality> {
@@ -128,6 +83,12 @@ impl Method {
     #[must_use]
     pub fn is_basic(self) -> bool {
         !matches!(self, Self::Prefetch | Self::PrefetchJustSet)
+    }
+
+    /// True if a pixel shows whichever of its points came last: no two pictures need be the same.
+    #[must_use]
+    pub fn shows_the_last(self) -> bool {
+        matches!(self, Self::JustSet | Self::PrefetchJustSet)
     }
 
     /// True if a point is always one pixel. Hardware points have no other size, and threads of a subgroup that ask each

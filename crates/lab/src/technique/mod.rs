@@ -16,22 +16,24 @@ pub use texts::texts;
 use base::space::View;
 use fixed40::Fixed40;
 use point_list::PointList;
+use render::gpu::stage::ShaderError;
 use render::gpu::{Atomics, Gpu, QueueGuard};
 use render::layout::{Detail, Sums, Variant};
+use render::options::Dilate;
 use render::technique::{Nearest, Own, Technique, Texts};
-use render::{Access, CloudBuffers, Targets};
+use render::{Access, CloudBuffers, DrawOptions, NO_REACH_PX, Targets};
 use tree::TreeUniform;
 
-/// Names by which an early look by plain loads binds the targets a second time.
+/// Names by which early-z with plain loads binds the targets a second time.
 const AGAIN: [&str; 4] = ["keys_left_again", "keys_right_again", "depth_left_again", "depth_right_again"];
 /// Error in pixels that a disc of a sequential point tree may have, unless the settings say otherwise.
 pub const DEFAULT_ERROR_PX: f64 = 1.0;
 /// [`Detail::fill_reach_px`] for discs beside dilation. Discs are wide enough to close a surface, but lie unevenly.
 /// Kernels bridge two, four and six empty pixels, and gaps close to these widths leave pinholes.
-pub const DISCS_REACH_PX: [f32; 3] = [2.0, 3.5, 5.0];
+const DISCS_REACH_PX: [f32; 3] = [2.0, 3.5, 5.0];
 
-/// A way to draw. The default is the frame's own.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// A way to draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabTechnique {
     /// How points get into pixels.
     pub method: Method,
@@ -47,7 +49,7 @@ pub struct LabTechnique {
 #[derive(Debug, thiserror::Error)]
 pub enum NoSuchMethod {
     /// The method counts in f64, which the GPU's shaders cannot.
-    #[error("frame.method: {method} counts in f64, which the shaders of the GPU '{name}' cannot")]
+    #[error("{method} counts in f64, which the shaders of the GPU '{name}' cannot")]
     F64 {
         /// Name of the GPU.
         name: String,
@@ -55,15 +57,13 @@ pub enum NoSuchMethod {
         method: &'static str,
     },
     /// The method draws points of one pixel, and a point tree has discs and triangles.
-    #[error(
-        "frame.method: {method} draws points of one pixel, and a point tree has discs and triangles; set lod.method = \"octree\""
-    )]
+    #[error("{method} draws points of one pixel, and a point tree has discs and triangles")]
     Sizes {
         /// Name of the method.
         method: &'static str,
     },
     /// The method needs 64-bit atomics.
-    #[error("frame.method: {method} needs the tier int64, and this is {tier}; prefetch runs in every tier")]
+    #[error("{method} needs the tier int64, and this is {tier}; prefetch runs in every tier")]
     Tier {
         /// Name of the method.
         method: &'static str,
@@ -73,16 +73,24 @@ pub enum NoSuchMethod {
 }
 
 impl LabTechnique {
+    /// The frame's own.
+    pub const OWN: Self = Self {
+        method: Method::Prefetch,
+        early_z_load: EarlyZLoad::Atomic,
+        keep_unseen: false,
+        error_px: None,
+    };
+
     /// A method of the papers.
     #[must_use]
     pub fn method(method: Method) -> Self {
-        Self { method, ..Self::default() }
+        Self { method, ..Self::OWN }
     }
 
     /// A sequential point tree, whose discs may be wrong by `error_px` pixels.
     #[must_use]
     pub fn tree(error_px: f32) -> Self {
-        Self { error_px: Some(error_px), ..Self::default() }
+        Self { error_px: Some(error_px), ..Self::OWN }
     }
 
     /// Names of the resources that its texts bind besides the frame's sets: its own, and those of its clouds.
@@ -92,6 +100,20 @@ impl LabTechnique {
         let names = of_tree.into_iter().filter(|_| self.error_px.is_some());
         let names = names.chain(Some(counts::COUNT_BINS_NAME).filter(|_| counts));
         names.chain(AGAIN.into_iter().filter(|_| self.early_z_load == EarlyZLoad::Plain)).collect()
+    }
+
+    /// What frames look like that are drawn this way, where the frame's own would look as `options` say. A method of one
+    /// quality draws that, some draw points of one pixel, and discs have sizes of their own and are drawn at these.
+    #[must_use]
+    pub fn amended(&self, options: DrawOptions) -> DrawOptions {
+        let fill_reach_px = match (self.error_px, options.dilate) {
+            (None, _) => options.detail.fill_reach_px,
+            (Some(_), Dilate::Off) => Some(NO_REACH_PX),
+            (Some(_), Dilate::Rings) => Some(DISCS_REACH_PX),
+        };
+        let fill_reach_px = fill_reach_px.filter(|_| !self.method.draws_pixels());
+        let detail = Detail { fill_reach_px, ..options.detail };
+        DrawOptions { quality: self.method.quality().unwrap_or(options.quality), detail, ..options }
     }
 
     /// Checks whether any GPU could draw this way.
@@ -124,7 +146,7 @@ impl LabTechnique {
     /// Makes the technique for a renderer.
     #[must_use]
     pub fn open(self, gpu: &Gpu) -> Box<dyn Technique> {
-        if self == Self::default() {
+        if self == Self::OWN {
             return Box::new(Own);
         }
         Box::new(OpenTechnique { technique: self, has_subgroups: gpu.has_subgroups(), count_bins: None })
@@ -159,12 +181,21 @@ impl Technique for OpenTechnique {
         self.technique.method.sums()
     }
 
-    fn nearest(&self, gpu: &Gpu, variant: Variant, access: Access) -> Option<Box<dyn Nearest>> {
-        match self.technique.method {
-            Method::PointList => Some(Box::new(PointList::new(gpu, variant, access))),
-            Method::Fixed40 => Some(Box::new(Fixed40::new(gpu, variant, access))),
+    fn nearest(
+        &self,
+        gpu: &Gpu,
+        variant: Variant,
+        access: Access,
+    ) -> Result<Option<Box<dyn Nearest>>, ShaderError> {
+        Ok(match self.technique.method {
+            Method::PointList => Some(Box::new(PointList::new(gpu, variant, access, &self.names())?)),
+            Method::Fixed40 => Some(Box::new(Fixed40::new(gpu, variant, access, &self.names())?)),
             _ => None,
-        }
+        })
+    }
+
+    fn names(&self) -> Vec<&'static str> {
+        self.technique.names(self.count_bins.is_some())
     }
 
     fn resources<'a>(&'a self, targets: &'a Targets) -> Vec<(&'static str, wgpu::BindingResource<'a>)> {

@@ -6,7 +6,7 @@ use super::texts::text;
 use crate::hardware::{self, DEPTH_FORMAT, PointPipeline};
 use render::bindings::{BatchSet, ChunkSet, EyeSet};
 use render::gpu::Gpu;
-use render::gpu::stage::{Bindings, Stage, shader_module};
+use render::gpu::stage::{Bindings, ShaderError, Stage, shader_module};
 use render::layout::{BATCH_POINTS, COUNTERS_STRIDE, Variant, guarded};
 use render::shaders::{ShaderOfSet, parts};
 use render::technique::{ClearedTarget, Nearest, Recording};
@@ -58,11 +58,11 @@ struct PointImages {
 }
 
 impl PointList {
-    pub fn new(gpu: &Gpu, variant: Variant, access: Access) -> Self {
+    pub fn new(gpu: &Gpu, variant: Variant, access: Access, others: &[&str]) -> Result<Self, ShaderError> {
         let wgsl = POINT_LIST.source(variant);
         let module = shader_module(&gpu.device, "point-list", &wgsl);
+        let of = |entry| Bindings::of("point-list", &wgsl, entry, others);
         let eye = |entry| {
-            let bindings = Bindings::of("point-list", &wgsl, entry);
             let points = PointPipeline {
                 module: &module,
                 vertex: entry,
@@ -70,16 +70,16 @@ impl PointList {
                 format: FORMAT,
                 nearer: wgpu::CompareFunction::Less,
             };
-            (hardware::pipeline(gpu, points), bindings.with(Bindings::of("point-list", &wgsl, "fragment")))
+            Ok((hardware::pipeline(gpu, points), of(entry)?.with(of("fragment")?)))
         };
-        Self {
-            eyes: [eye("left"), eye("right")],
-            shade: Stage::of(gpu, SHADE_POINTS, variant, access),
+        Ok(Self {
+            eyes: [eye("left")?, eye("right")?],
+            shade: Stage::of(gpu, SHADE_POINTS, variant, access, others)?,
             images: None,
             draws: None,
             draw_groups: vec![],
             shade_groups: vec![],
-        }
+        })
     }
 }
 

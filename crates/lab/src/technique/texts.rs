@@ -84,7 +84,7 @@ fn counted(text: String) -> String {
 }
 
 fn plain_depths(_: Variant) -> Pieces {
-    &[text!("depths.inc"), text!("methods/plain_look_depths.inc"), text!("depth")]
+    &[text!("depths.inc"), text!("methods/early_z_plain_depths.inc"), text!("depth")]
 }
 
 fn put(method: Method) -> Pieces {
@@ -130,29 +130,29 @@ fn of_tree(texts: Texts, method: Method) -> Texts {
     }
 }
 
-/// Pieces of `depth`: an early-z look at the pixel, atomic or plain, then these pieces, which may call it.
-macro_rules! with_look {
+/// Pieces of `depth`: the reading of the pixel for early-z, atomic or plain, then these pieces, which may call it.
+macro_rules! with_early_z {
     ($is_plain:expr, $($piece:expr),+) => {
         if $is_plain {
             |variant: Variant| -> Pieces {
                 match variant.keys {
-                    true => &[text!("keys.inc"), text!("methods/plain_look_keys.inc"), $($piece),+],
-                    false => &[text!("depths.inc"), text!("methods/plain_look_depths.inc"), $($piece),+],
+                    true => &[text!("keys.inc"), text!("methods/early_z_plain_keys.inc"), $($piece),+],
+                    false => &[text!("depths.inc"), text!("methods/early_z_plain_depths.inc"), $($piece),+],
                 }
             }
         } else {
             |variant: Variant| -> Pieces {
                 match variant.keys {
-                    true => &[text!("keys.inc"), text!("atomic_look.inc"), $($piece),+],
-                    false => &[text!("depths.inc"), text!("atomic_look.inc"), $($piece),+],
+                    true => &[text!("keys.inc"), text!("early_z_atomic.inc"), $($piece),+],
+                    false => &[text!("depths.inc"), text!("early_z_atomic.inc"), $($piece),+],
                 }
             }
         }
     };
 }
 
-const LOOKS_FIRST: &str = "const EARLY_Z: bool = true;\n";
-const LOOKS_NEVER: &str = "const EARLY_Z: bool = false;\n";
+const READS_FIRST: &str = "const EARLY_Z: bool = true;\n";
+const READS_NEVER: &str = "const EARLY_Z: bool = false;\n";
 
 /// Pieces of `depth` for a method.
 fn depth(method: Method, is_plain: bool, is_tree: bool, has_subgroups: bool) -> fn(Variant) -> Pieces {
@@ -160,25 +160,37 @@ fn depth(method: Method, is_plain: bool, is_tree: bool, has_subgroups: bool) -> 
         (Method::JustSet | Method::PrefetchJustSet, _) => |_| &[text!("keys.inc"), text!("methods/just_set")],
         (Method::BusyLoop, _) => |_| &[text!("methods/busy_loop")],
         (Method::ExchangeLoop, _) => |_| &[text!("keys.inc"), text!("methods/exchange_loop")],
-        (Method::AtomicMin, _) => with_look!(is_plain, text!("methods/atomic_min")),
+        (Method::AtomicMin, _) => with_early_z!(is_plain, text!("methods/atomic_min")),
         (Method::Reduce, true) => {
-            with_look!(is_plain, LOOKS_NEVER, text!("methods/subgroup.inc"), text!("methods/reduce"))
+            with_early_z!(is_plain, READS_NEVER, text!("methods/subgroup.inc"), text!("methods/reduce"))
         }
         (Method::Reduce, false) => {
-            with_look!(is_plain, LOOKS_NEVER, text!("methods/subgroup_emulated.inc"), text!("methods/reduce"))
+            with_early_z!(
+                is_plain,
+                READS_NEVER,
+                text!("methods/subgroup_emulated.inc"),
+                text!("methods/reduce")
+            )
         }
         (Method::ReduceEarlyZ, true) => {
-            with_look!(is_plain, LOOKS_FIRST, text!("methods/subgroup.inc"), text!("methods/reduce"))
+            with_early_z!(is_plain, READS_FIRST, text!("methods/subgroup.inc"), text!("methods/reduce"))
         }
         (Method::ReduceEarlyZ, false) => {
-            with_look!(is_plain, LOOKS_FIRST, text!("methods/subgroup_emulated.inc"), text!("methods/reduce"))
+            with_early_z!(
+                is_plain,
+                READS_FIRST,
+                text!("methods/subgroup_emulated.inc"),
+                text!("methods/reduce")
+            )
         }
-        (Method::Dedup, true) => with_look!(is_plain, text!("methods/subgroup.inc"), text!("methods/dedup")),
+        (Method::Dedup, true) => {
+            with_early_z!(is_plain, text!("methods/subgroup.inc"), text!("methods/dedup"))
+        }
         (Method::Dedup, false) => {
-            with_look!(is_plain, text!("methods/subgroup_emulated.inc"), text!("methods/dedup"))
+            with_early_z!(is_plain, text!("methods/subgroup_emulated.inc"), text!("methods/dedup"))
         }
         (Method::Fixed40, _) => fixed40::depth(is_tree),
         // Methods of high-quality shading have it too, since the governor may ask for `closest`.
-        _ => with_look!(is_plain, text!("depth")),
+        _ => with_early_z!(is_plain, text!("depth")),
     }
 }

@@ -6,7 +6,7 @@ mod sniff;
 
 use crate::block::{Block, Trailer};
 use crate::source::Source;
-use crate::{Header, Projection, ScanError, Schema};
+use crate::{Attribute, Column, Header, Projection, ScanError};
 use base::task::Progress;
 use std::path::Path;
 
@@ -14,6 +14,22 @@ use std::path::Path;
 pub(crate) trait Format: Sync {
     /// Its names, as people write them: one for each kind of file, whose ending is the name too.
     fn names(&self) -> &'static [&'static str];
+
+    /// Endings of files that lie beside its files and hold no points, in lower case. Those that lie beside files of any
+    /// format are known already.
+    fn sidecars(&self) -> &'static [&'static str] {
+        &[]
+    }
+
+    /// True if a folder may be a scan of this format.
+    fn opens_folders(&self) -> bool {
+        false
+    }
+
+    /// True if its files may hold Gaussian splats.
+    fn has_splats(&self) -> bool {
+        false
+    }
 
     /// True if it is of this format. A format that is known by its content looks at nothing else.
     fn probe(&self, candidate: &Candidate) -> bool;
@@ -39,11 +55,8 @@ pub(crate) struct Candidate<'a> {
 /// is taken for points that can be read, never for those that a header claims. Damaged points are left out and reported
 /// at the end. (A tree of nodes, each a block, is a dataset too: its nodes come in the order of the file.)
 pub trait Dataset {
-    /// What the file says of itself.
+    /// What the file says of itself, and what it stores for each point.
     fn header(&self) -> &Header;
-
-    /// The attributes that the file stores for each point.
-    fn schema(&self) -> &Schema;
 
     /// Hands over all points that can be read, at least one, in file order, with the wanted attributes that the file
     /// has.
@@ -74,9 +87,42 @@ fn open_as(formats: &[&dyn Format], path: &Path) -> Result<Box<dyn Dataset>, Sca
     let is_folder = path.is_dir();
     let head = if is_folder { Vec::new() } else { Source::open(path)?.bytes(0, HEAD_BYTES)? };
     let candidate = Candidate { path, is_folder, head: &head };
-    match formats.iter().find(|format| format.probe(&candidate)) {
-        Some(format) => format.open(path),
+    let may_be = |format: &&&dyn Format| (!is_folder || format.opens_folders()) && format.probe(&candidate);
+    match formats.iter().find(may_be) {
+        Some(format) => Ok(Box::new(CheckedDataset(format.open(path)?))),
         None => Err(sniff::not_a_scan(&candidate)),
+    }
+}
+
+/// A dataset whose blocks are compared with its schema before anybody gets them.
+struct CheckedDataset(Box<dyn Dataset>);
+
+impl Dataset for CheckedDataset {
+    fn header(&self) -> &Header {
+        self.0.header()
+    }
+
+    fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError> {
+        let Header { path, schema, .. } = self.header();
+        let mut take_checked = |block: Block| {
+            let is_right = |(attribute, column): &&(Attribute, Column)| {
+                let is_wanted = want.wants(attribute);
+                let is_of_its_type = schema
+                    .fields
+                    .iter()
+                    .any(|field| (&field.attribute, field.kind) == (attribute, column.kind()));
+                is_wanted && is_of_its_type && column.num_values().is_none_or(|num| num == block.xyz.len())
+            };
+            match block.columns.iter().find(|column| !is_right(column)) {
+                Some((attribute, column)) => Err(ScanError::Column {
+                    path: path.clone(),
+                    attribute: attribute.clone(),
+                    kind: column.kind(),
+                }),
+                None => take(block),
+            }
+        };
+        self.0.read(want, &mut take_checked, progress)
     }
 }
 
@@ -85,10 +131,25 @@ pub fn format_endings() -> impl Iterator<Item = String> {
     FORMATS.iter().flat_map(|format| format.names()).map(|name| name.to_ascii_lowercase())
 }
 
+/// The endings of files that lie beside scans of some format and hold no points, in lower case.
+pub(crate) fn sidecar_endings() -> impl Iterator<Item = &'static str> {
+    FORMATS.iter().flat_map(|format| format.sidecars()).copied()
+}
+
 /// The names of all formats in a sentence, with this word before the last: "LAS, LAZ or PLY".
 #[must_use]
 pub fn format_names(before_last: &str) -> String {
-    let names: Vec<&str> = FORMATS.iter().flat_map(|format| format.names()).copied().collect();
+    names_of(&FORMATS, before_last)
+}
+
+/// The names of the formats whose files may hold Gaussian splats, in a sentence.
+fn splat_format_names() -> String {
+    let formats: Vec<&dyn Format> = FORMATS.iter().filter(|format| format.has_splats()).copied().collect();
+    names_of(&formats, "or")
+}
+
+fn names_of(formats: &[&dyn Format], before_last: &str) -> String {
+    let names: Vec<&str> = formats.iter().flat_map(|format| format.names()).copied().collect();
     match names.split_last() {
         Some((last, others)) if !others.is_empty() => format!("{} {before_last} {last}", others.join(", ")),
         _ => names.concat(),
@@ -98,6 +159,7 @@ pub fn format_names(before_last: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Field, Grid, Schema, Type};
 
     /// A made-up format whose files and folders have names that end in `.named`, whatever is in them.
     struct Named;
@@ -105,6 +167,10 @@ mod tests {
     impl Format for Named {
         fn names(&self) -> &'static [&'static str] {
             &["NAMED"]
+        }
+
+        fn opens_folders(&self) -> bool {
+            true
         }
 
         fn probe(&self, candidate: &Candidate) -> bool {
@@ -138,5 +204,51 @@ mod tests {
         assert!(error(&all, "tiles").contains("is a folder"));
         assert!(error(&FORMATS, "a.named").contains("rows of numbers"));
         assert!(error(&FORMATS, "tiles.named").contains("is a folder"));
+    }
+
+    /// A made-up file whose format is at fault: it hands over this column for each of its blocks.
+    struct Faulty {
+        header: Header,
+        column: (Attribute, Column),
+    }
+
+    impl Dataset for Faulty {
+        fn header(&self) -> &Header {
+            &self.header
+        }
+
+        fn read(&self, _: &Projection, take: &mut Take, _: &Progress) -> Result<Trailer, ScanError> {
+            let mut block = Block::new(Grid::default(), []);
+            block.xyz = vec![[0; 3]; 2];
+            block.columns.push(self.column.clone());
+            take(block)?;
+            Ok(Trailer::default())
+        }
+    }
+
+    #[test]
+    fn a_column_that_is_not_in_the_schema_is_an_error() {
+        let read = |attribute, column| {
+            let fields = vec![
+                Field::plain(Attribute::GpsTime, Type::F64),
+                Field::plain(Attribute::Color, Type::U16x3),
+            ];
+            let schema = Schema { fields, ..Schema::default() };
+            let header = Header { path: "a.named".into(), schema, ..Header::default() };
+            let file = CheckedDataset(Box::new(Faulty { header, column: (attribute, column) }));
+            let want = Projection::of([Attribute::GpsTime, Attribute::Intensity]);
+            file.read(&want, &mut |_| Ok(()), &Progress::hidden()).map_err(|error| error.to_string())
+        };
+        assert!(read(Attribute::GpsTime, Column::F64(vec![1.0, 2.0])).is_ok());
+        for (attribute, column) in [
+            // Another type than the schema says, too few values, not in the schema, and not asked for.
+            (Attribute::GpsTime, Column::F32(vec![1.0, 2.0])),
+            (Attribute::GpsTime, Column::F64(vec![1.0])),
+            (Attribute::Intensity, Column::U16(vec![1, 2])),
+            (Attribute::Color, Column::U16x3(vec![[0; 3]; 2])),
+        ] {
+            let error = read(attribute, column).unwrap_err();
+            assert!(error.starts_with("a.named: ") && error.contains("a fault of scanwalk"), "{error}");
+        }
     }
 }

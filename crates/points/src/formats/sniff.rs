@@ -1,16 +1,20 @@
 //! Says in words what a file of no readable format looks like, so that the message helps.
 
-use super::{Candidate, format_names};
+use super::{Candidate, format_names, splat_format_names};
 use crate::ScanError;
 
 /// Advice for a file of a kind that other programs convert; [`NAMES`] stands for the names of all readable formats.
 const CONVERT: &str = "this is not supported yet, convert it to FORMATS";
+/// Advice for a Gaussian splat of another format; [`SPLAT_NAMES`] stands for the names of the formats that hold splats.
+const EXPORT_SPLAT: &str = "export it as SPLATS";
 /// Advice for an archive.
 const UNPACK: &str = "unpack it, and name the FORMATS files in it";
 /// Advice for a file that is no scan.
 const OTHER: &str = "name a FORMATS file";
 /// Stands in an advice for the names of the formats that can be read.
 const NAMES: &str = "FORMATS";
+/// Stands in an advice for the names of the formats whose files may hold splats.
+const SPLAT_NAMES: &str = "SPLATS";
 
 /// First bytes of a file, what it is, and what to do.
 const SIGNATURES: &[(&[u8], &str, &str)] = &[
@@ -54,9 +58,9 @@ const SIGNATURES: &[(&[u8], &str, &str)] = &[
 /// and what to do.
 const ENDINGS: &[(&str, &[u8], &str, &str)] = &[
     // An SPZ file is packed with gzip, but holds nothing that a user could unpack.
-    ("spz", b"\x1f\x8b", "it is a compressed Gaussian splat (SPZ)", "export it as PLY"),
-    ("splat", b"", "it is a Gaussian splat without a header", "export it as PLY"),
-    ("ksplat", b"", "it is a compressed Gaussian splat (KSPLAT)", "export it as PLY"),
+    ("spz", b"\x1f\x8b", "it is a compressed Gaussian splat (SPZ)", EXPORT_SPLAT),
+    ("splat", b"", "it is a Gaussian splat without a header", EXPORT_SPLAT),
+    ("ksplat", b"", "it is a compressed Gaussian splat (KSPLAT)", EXPORT_SPLAT),
     ("usdz", b"PK", "it is a USDZ model", CONVERT),
     ("3mf", b"PK", "it is a 3MF model", CONVERT),
     ("kmz", b"PK", "it is a KMZ file of places on a map", OTHER),
@@ -79,7 +83,7 @@ pub(crate) fn not_a_scan(candidate: &Candidate) -> ScanError {
         Some((_, _, what, advice)) => ((*what).to_owned(), *advice),
         None => describe(head),
     };
-    let advice = advice.replace(NAMES, &format_names("or"));
+    let advice = advice.replace(NAMES, &format_names("or")).replace(SPLAT_NAMES, &splat_format_names());
     ScanError::NotAScan { path: path.to_owned(), looks_like, advice }
 }
 
@@ -130,8 +134,8 @@ fn describe_text(text: &str) -> (String, &'static str) {
     // Canadian Well Logging Society: a "Log ASCII Standard" file has sections that start at ~V.
     if first.starts_with('~') {
         let what =
-            "it is a well log (CWLS Log ASCII Standard), which has only the ending .las in common with scans";
-        return (what.into(), "name a LAS file of a laser scanner");
+            "it is a well log (CWLS Log ASCII Standard), which has only its ending in common with scans";
+        return (what.into(), "name a file of a laser scanner");
     }
     let is_number = |word: &str| word.parse::<f64>().is_ok();
     let words = |line: &str| {

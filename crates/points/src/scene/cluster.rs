@@ -30,11 +30,11 @@ const BRIDGE_OF_FEW: f64 = 20.0;
 const FAR: f64 = 1.0;
 /// Empty space, in edges, that is bridged to reach something that is built like what has been gathered: a second
 /// building, but no fog.
-const TWIN_GAP: f64 = 20.0;
-/// Least share of the positions that must lie around the scene for a twin.
-const TWIN_SHARE: f64 = 0.02;
-/// Least and largest edge of a twin, against that of what has been gathered.
-const TWIN_EDGE: [f64; 2] = [0.125, 2.0];
+const COPY_GAP: f64 = 20.0;
+/// Least share of the positions that must lie around the scene for another thing that is built like it.
+const COPY_SHARE: f64 = 0.02;
+/// Least and largest edge of such a thing, against that of what has been gathered.
+const COPY_EDGE: [f64; 2] = [0.125, 2.0];
 /// Nothing further from the core than this many of its edges belongs to the scene.
 const REACH: f64 = 64.0;
 /// Cells per axis of the grid in which the densest block is sought; a block has half as many.
@@ -115,16 +115,16 @@ fn hangs(p: DVec3, scene: &Bounds) -> bool {
 /// Box of something that lies further away, but is built like the scene.
 fn reference(positions: &[DVec3], scene: &Bounds, all: &[DVec3]) -> Option<Bounds> {
     let edge = scene.edge();
-    let around = scene.grown(TWIN_GAP * edge);
+    let around = scene.grown(COPY_GAP * edge);
     let is_around = |p: &DVec3| around.contains(*p) && !hangs(*p, scene);
     let around: Vec<DVec3> = positions.iter().copied().filter(is_around).collect();
-    if (around.len() as f64) < TWIN_SHARE * all.len() as f64 {
+    if (around.len() as f64) < COPY_SHARE * all.len() as f64 {
         return None;
     }
     let reference = densest(&around, 0.5 * around.len() as f64)?;
     let inside =
         |bounds: &Bounds| -> Vec<DVec3> { all.iter().copied().filter(|&p| bounds.contains(p)).collect() };
-    let is_alike = (TWIN_EDGE[0] * edge..=TWIN_EDGE[1] * edge).contains(&reference.edge())
+    let is_alike = (COPY_EDGE[0] * edge..=COPY_EDGE[1] * edge).contains(&reference.edge())
         && (!is_fog(&inside(&reference)) || is_fog(&inside(scene)));
     is_alike.then_some(reference)
 }

@@ -39,6 +39,8 @@ pub struct Scene {
     pub bounds: Bounds,
     /// World positions of some of the scene's points, at most about 130 000, evenly from the files.
     pub samples: Vec<DVec3>,
+    /// Points of the scene, as far as the samples tell.
+    pub num_points: u64,
 }
 
 impl Scene {
@@ -57,9 +59,11 @@ impl Scene {
         let boxes: Vec<Bounds> =
             samples.par_iter().map(|samples| find(samples.clone()).unwrap_or_default()).collect();
         let (larger, warnings) = sites::larger(scan, &boxes);
+        let mut num_scene_points = 0;
         for (file, samples) in samples.iter_mut().enumerate() {
             let bounds = if larger.contains(&file) { boxes[file] } else { Bounds::EMPTY };
             samples.retain(|&p| bounds.contains(p));
+            num_scene_points += (samples.len() * run(num_points, scan.files[file].points.xyz.len())) as u64;
         }
         let (mut samples, is_all) = (samples.concat(), run(num_points, usize::MAX) == 1);
         let around = find(samples.clone()).unwrap_or_default();
@@ -67,7 +71,21 @@ impl Scene {
         let margin = if is_all { 0.0 } else { MARGIN };
         let bounds = exact(&files, &around, margin, is_all_noise);
         samples.retain(|&p| bounds.contains(p));
-        (Self { bounds, samples }, warnings)
+        (Self { bounds, samples, num_points: num_scene_points }, warnings)
+    }
+
+    /// The scene of points of which all are samples.
+    #[must_use]
+    pub fn around(samples: Vec<DVec3>) -> Self {
+        Self { bounds: Bounds::around(&samples), num_points: samples.len() as u64, samples }
+    }
+
+    /// The part of the scene whose samples are kept.
+    #[must_use]
+    pub fn part(&self, is_kept: impl Fn(&DVec3) -> bool) -> Self {
+        let samples: Vec<DVec3> = self.samples.iter().filter(|p| is_kept(p)).copied().collect();
+        let points_per_sample = self.num_points as f64 / self.samples.len().max(1) as f64;
+        Self { num_points: (points_per_sample * samples.len() as f64) as u64, ..Self::around(samples) }
     }
 
     /// The values along an axis below which a quarter, half and three quarters of the scene's points are; `None` if it

@@ -14,22 +14,18 @@ use base::words;
 use glam::DVec3;
 use surface::Vote;
 
-/// What is known or said of the axis of the files' coordinates that points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, serde::Serialize)]
-pub enum Up {
-    /// The axis that a file's header or its surfaces leave no doubt of, or else z.
-    #[default]
-    #[serde(rename = "auto")]
-    Auto,
-    /// z, as surveyors have it.
-    #[serde(rename = "z")]
-    Z,
-    /// y, and z points toward the viewer, as in models.
-    #[serde(rename = "y")]
-    Y,
-    /// −y, and z points away from the viewer, as in cameras' coordinates and many splats.
-    #[serde(rename = "-y")]
-    MinusY,
+base::choice! {
+    /// What is known or said of the axis of the files' coordinates that points up.
+    pub enum Up {
+        /// The axis that a file's header or its surfaces leave no doubt of, or else z.
+        Auto = "auto",
+        /// z, as surveyors have it.
+        Z = "z",
+        /// y, and z points toward the viewer, as in models and much photogrammetry.
+        Y = "y",
+        /// −y, and z points away from the viewer, as in cameras' coordinates and many splats.
+        MinusY = "-y",
+    }
 }
 
 /// The axis of a file's coordinates that points up.

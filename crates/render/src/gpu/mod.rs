@@ -2,12 +2,14 @@
 //! no configuration.
 
 pub mod drawing;
+mod lost;
 mod open;
 mod queue;
 pub mod readback;
 pub mod stage;
 pub mod timer;
 
+pub use lost::{GpuLost, PollError};
 pub use open::{Atomics, GpuError, block_on, instance_flags, required_features};
 pub use queue::{Queue, QueueGuard};
 

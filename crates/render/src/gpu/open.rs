@@ -2,7 +2,7 @@
 
 use super::Gpu;
 
-/// Why no GPU could be opened; each sentence says what to do.
+/// Why no GPU could be opened.
 #[derive(Debug, thiserror::Error)]
 pub enum GpuError {
     /// There is no Vulkan driver at all.
@@ -10,7 +10,7 @@ pub enum GpuError {
         "no Vulkan driver found: install one (on Debian and Ubuntu: `apt install mesa-vulkan-drivers`) or run scripts/demo, which does"
     )]
     NoDriver,
-    /// `--adapter` matched nothing.
+    /// No GPU has the name that is wanted.
     #[error("no GPU is called like '{wanted}'; there is: {found}")]
     NoSuchAdapter {
         /// Name that was asked for.
@@ -19,7 +19,7 @@ pub enum GpuError {
         found: String,
     },
     /// The GPU lacks something that the frame cannot do without.
-    #[error("the GPU '{name}' cannot run scanwalk: it lacks {missing}; choose another with --adapter")]
+    #[error("the GPU '{name}' cannot run scanwalk: it lacks {missing}")]
     Lacking {
         /// The GPU.
         name: String,
@@ -48,28 +48,21 @@ const NUM_STORAGE_BUFFERS: u32 = 10;
 /// Storage buffers that the largest stage binds with 64-bit addition.
 const NUM_STORAGE_BUFFERS_INT64: u32 = 12;
 
-/// What a GPU's atomics can do, in rising order.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Atomics {
-    /// 32-bit minimum and addition.
-    Int32,
-    /// 64-bit minimum, and 32-bit addition.
-    Int64Minmax,
-    /// 64-bit minimum and addition.
-    Int64,
+base::choice! {
+    /// What a GPU's atomics can do, in rising order; frames use some of it (docs/FRAME.md §7). Each tier draws the same
+    /// picture.
+    #[derive(PartialOrd, Ord)]
+    pub enum Atomics {
+        /// 32-bit minimum and addition.
+        Int32 = "int32",
+        /// 64-bit minimum, and 32-bit addition.
+        Int64Minmax = "int64-minmax",
+        /// 64-bit minimum and addition.
+        Int64 = "int64",
+    }
 }
 
 impl Atomics {
-    /// The tier's name in settings and logs.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Int32 => "int32",
-            Self::Int64Minmax => "int64-minmax",
-            Self::Int64 => "int64",
-        }
-    }
-
     fn of(features: wgpu::Features, limits: &wgpu::Limits) -> Self {
         let minmax = wgpu::Features::SHADER_INT64 | wgpu::Features::SHADER_INT64_ATOMIC_MIN_MAX;
         if !features.contains(minmax) {

@@ -8,7 +8,7 @@ use super::Gpu;
 pub enum ReadbackError {
     /// The GPU does not finish its work.
     #[error("the GPU stopped answering: {0}")]
-    Poll(#[from] wgpu::PollError),
+    Poll(#[from] super::PollError),
     /// The memory that was copied to cannot be read.
     #[error("the GPU's memory cannot be read: {0}")]
     Map(#[from] wgpu::BufferAsyncError),
@@ -65,7 +65,7 @@ fn finish(
     staging.map_async(wgpu::MapMode::Read, .., move |result| {
         let _ = sender.send(result);
     });
-    gpu.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })?;
+    gpu.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None })?;
     mapped.recv().unwrap_or(Err(wgpu::BufferAsyncError))?;
     Ok(staging.get_mapped_range(..)?.to_vec())
 }

@@ -35,7 +35,10 @@ pub struct Compiled {
 pub(super) struct PipelineCache(Mutex<HashMap<(String, bool), Compiling>>);
 
 /// A place that holds a pipeline once it is compiled.
-type Compiling = Arc<OnceLock<CachedPipeline>>;
+type Compiling = Arc<OnceLock<CompiledText>>;
+
+/// What has come of a text: a pipeline, or what is wrong with the text.
+type CompiledText = Result<CachedPipeline, String>;
 
 /// A pipeline of the cache.
 #[derive(Clone, Debug)]
@@ -47,12 +50,29 @@ struct CachedPipeline {
 
 impl PipelineCache {
     /// What `compile` makes of a text, or has made of it before. Other texts can be compiled meanwhile.
-    fn get(&self, wgsl: &str, checked: bool, compile: impl FnOnce() -> CachedPipeline) -> CachedPipeline {
+    fn get(&self, wgsl: &str, checked: bool, compile: impl FnOnce() -> CompiledText) -> CompiledText {
         let place = {
             let mut pipelines = self.0.lock().unwrap_or_else(PoisonError::into_inner);
             Arc::clone(pipelines.entry((wgsl.to_owned(), checked)).or_default())
         };
         place.get_or_init(compile).clone()
+    }
+}
+
+/// Why a shader cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the shader '{shader}' cannot be used: {fault}")]
+pub struct ShaderError {
+    /// Name of the shader, or of the texts that it is made of.
+    pub shader: String,
+    /// What is wrong with it.
+    pub fault: String,
+}
+
+impl ShaderError {
+    /// Nobody has the resource that it binds.
+    pub(crate) fn lacks(shader: &str, resource: &str) -> Self {
+        Self { shader: shader.to_owned(), fault: format!("it binds '{resource}', which nobody has") }
     }
 }
 
@@ -89,14 +109,22 @@ pub fn used(wgsl: &str, entry: &str) -> Result<Vec<(String, u32)>, String> {
 }
 
 impl<S: Set> Bindings<S> {
-    /// Reads from WGSL text what its entry point `entry` uses.
+    /// Reads from WGSL text what its entry point `entry` uses. `others` are the names of [`crate::bindings::OtherSet`], if the set has it.
     ///
-    /// # Panics
-    /// If the text is not valid: shaders are ours, and a test looks at each.
-    #[must_use]
-    pub fn of(name: &str, wgsl: &str, entry: &str) -> Self {
-        let used = used(wgsl, entry).unwrap_or_else(|e| panic!("shader {name}: {e}"));
-        Self { name: name.to_owned(), used, set: PhantomData }
+    /// # Errors
+    /// If the text is not valid, or uses what the set lacks. Shaders are ours, and a test looks at each.
+    pub fn of(name: &str, wgsl: &str, entry: &str, others: &[&str]) -> Result<Self, ShaderError> {
+        let used = used(wgsl, entry).map_err(|fault| ShaderError { shader: name.to_owned(), fault })?;
+        Self::found(name, used, others)
+    }
+
+    fn found(name: &str, used: Vec<(String, u32)>, others: &[&str]) -> Result<Self, ShaderError> {
+        let others = if S::HAS_OTHERS { others } else { &[] };
+        let names = [&S::names(), others].concat();
+        match used.iter().find(|(used, _)| !names.contains(&used.as_str())) {
+            Some((lacking, _)) => Err(ShaderError::lacks(name, lacking)),
+            None => Ok(Self { name: name.to_owned(), used, set: PhantomData }),
+        }
     }
 
     /// The resources that either shader of a pass uses.
@@ -108,10 +136,7 @@ impl<S: Set> Bindings<S> {
         self
     }
 
-    /// A bind group of the resources that the shader uses.
-    ///
-    /// # Panics
-    /// If the set lacks one: a test looks at what each shader uses.
+    /// A bind group of the resources that the shader uses. The set has all of them: they were looked for.
     #[must_use]
     pub fn bind(
         &self,
@@ -119,33 +144,48 @@ impl<S: Set> Bindings<S> {
         layout: &wgpu::BindGroupLayout,
         resources: &S::Resources<'_>,
     ) -> wgpu::BindGroup {
-        let entry = |(name, binding): &(String, u32)| wgpu::BindGroupEntry {
-            binding: *binding,
-            resource: S::find(resources, name)
-                .unwrap_or_else(|| panic!("shader {}: nobody has {name}", self.name)),
+        let entry = |(name, binding): &(String, u32)| {
+            Some(wgpu::BindGroupEntry { binding: *binding, resource: S::find(resources, name)? })
         };
-        let entries: Vec<_> = self.used.iter().map(entry).collect();
+        let entries: Vec<_> = self.used.iter().filter_map(entry).collect();
         let label = Some(&*self.name);
         device.create_bind_group(&wgpu::BindGroupDescriptor { label, layout, entries: &entries })
     }
 }
 
 impl<S: Set> Stage<S> {
-    /// Compiles a variant of a shader.
-    #[must_use]
-    pub fn of(gpu: &Gpu, shader: ShaderOfSet<S>, variant: Variant, access: Access) -> Self {
-        Self::of_text(gpu, shader.name(), &shader.source(variant), access.checked)
+    /// Compiles a variant of a shader. `others` are the names of [`crate::bindings::OtherSet`], if the set has it.
+    ///
+    /// # Errors
+    /// See [`Bindings::of`].
+    pub fn of(
+        gpu: &Gpu,
+        shader: ShaderOfSet<S>,
+        variant: Variant,
+        access: Access,
+        others: &[&str],
+    ) -> Result<Self, ShaderError> {
+        Self::of_text(gpu, shader.name(), &shader.source(variant), access.checked, others)
     }
 
     /// Compiles `wgsl` (the whole text, prelude included), with a check of every index.
-    #[must_use]
-    pub fn new(gpu: &Gpu, name: &'static str, wgsl: &str) -> Self {
-        Self::of_text(gpu, name, wgsl, true)
+    ///
+    /// # Errors
+    /// See [`Bindings::of`].
+    pub fn new(gpu: &Gpu, name: &'static str, wgsl: &str) -> Result<Self, ShaderError> {
+        Self::of_text(gpu, name, wgsl, true, &[])
     }
 
     /// Without `checked` the text is one of `shaders/`, with resources as large as the frame's.
-    fn of_text(gpu: &Gpu, name: &'static str, wgsl: &str, checked: bool) -> Self {
+    fn of_text(
+        gpu: &Gpu,
+        name: &'static str,
+        wgsl: &str,
+        checked: bool,
+        others: &[&str],
+    ) -> Result<Self, ShaderError> {
         let compile = || {
+            let used = used(wgsl, "main")?;
             let make = if checked { shader_module } else { raw::trusted::shader_module };
             let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(name),
@@ -155,12 +195,12 @@ impl<S: Set> Stage<S> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             });
-            let used = used(wgsl, "main").unwrap_or_else(|e| panic!("shader {name}: {e}"));
-            CachedPipeline { pipeline, used }
+            Ok(CachedPipeline { pipeline, used })
         };
-        let CachedPipeline { pipeline, used } = gpu.pipelines.get(wgsl, checked, compile);
-        let bindings = Bindings { name: name.to_owned(), used, set: PhantomData };
-        Self { compiled: Compiled { pipeline }, bindings }
+        let compiled = gpu.pipelines.get(wgsl, checked, compile);
+        let CachedPipeline { pipeline, used } =
+            compiled.map_err(|fault| ShaderError { shader: name.to_owned(), fault })?;
+        Ok(Self { compiled: Compiled { pipeline }, bindings: Bindings::found(name, used, others)? })
     }
 
     /// A bind group for this stage; see [`Bindings::bind`].
@@ -224,16 +264,44 @@ pub fn shader_module(device: &wgpu::Device, name: &str, wgsl: &str) -> wgpu::Sha
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bindings::ClearSet;
+    use crate::bindings::{BatchSet, ClearSet};
 
     #[test]
     fn a_text_is_compiled_once_for_a_device() {
         let gpu = Gpu::open(None).expect("a Vulkan driver");
         let text = |size: u32| format!("@compute @workgroup_size({size}) fn main() {{}}");
-        let pipeline = |size| Stage::<ClearSet>::new(&gpu, "nothing", &text(size)).compiled.pipeline;
-        assert_eq!(pipeline(1), pipeline(1));
-        assert_ne!(pipeline(1), pipeline(2));
-        let unchecked = Stage::<ClearSet>::of_text(&gpu, "nothing", &text(1), false);
-        assert_ne!(pipeline(1), unchecked.compiled.pipeline);
+        let stage = |size, checked| Stage::<ClearSet>::of_text(&gpu, "nothing", &text(size), checked, &[]);
+        let pipeline = |size, checked| stage(size, checked).expect("a shader").compiled.pipeline;
+        assert_eq!(pipeline(1, true), pipeline(1, true));
+        assert_ne!(pipeline(1, true), pipeline(2, true));
+        assert_ne!(pipeline(1, true), pipeline(1, false));
+    }
+
+    /// Nothing is bound that nobody has, and no program ends by it without a sentence.
+    #[test]
+    fn a_name_that_no_set_has_is_told_of_before_anything_is_bound() {
+        let gpu = Gpu::open(None).expect("a Vulkan driver");
+        let text = |name: &str| {
+            format!(
+                "@group(0) @binding(0) var<storage, read_write> {name}: array<u32>;\n\
+                 @compute @workgroup_size(1) fn main() {{ {name}[0] = 1u; }}"
+            )
+        };
+        let told = |stage: Result<(), ShaderError>| stage.map_err(|error| error.to_string());
+        let clear = |name| told(Stage::<ClearSet>::new(&gpu, "clear", &text(name)).map(|_| ()));
+        assert_eq!(clear("left"), Ok(()));
+        let lacks = "the shader 'clear' cannot be used: it binds 'middle', which nobody has";
+        assert_eq!(clear("middle"), Err(lacks.to_owned()));
+        // A technique's names count only where there is a place for its resources.
+        let of = |others: &[&str]| {
+            told(Bindings::<ClearSet>::of("clear", &text("middle"), "main", others).map(|_| ()))
+        };
+        assert_eq!(of(&["middle"]), Err(lacks.to_owned()));
+        let of = |others: &[&str]| {
+            told(Bindings::<BatchSet>::of("clear", &text("middle"), "main", others).map(|_| ()))
+        };
+        assert_eq!((of(&["middle"]), of(&["left"])), (Ok(()), Err(lacks.to_owned())));
+        // A text that is none is told of in the compiler's words.
+        assert!(told(Stage::<ClearSet>::new(&gpu, "odd", "fn main(").map(|_| ())).is_err());
     }
 }

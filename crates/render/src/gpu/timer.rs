@@ -180,7 +180,7 @@ impl Timer {
     /// until it gives `None`.
     pub fn collect<R>(&mut self, gpu: &Gpu, read: impl FnOnce(Times) -> R) -> Option<R> {
         // A lost device shows at the next submit; here it only means that nothing comes back.
-        let _ = gpu.device.poll(wgpu::PollType::Poll);
+        let _ = gpu.poll(wgpu::PollType::Poll);
         let done = |s: &&Slot| matches!(s.state.load(Ordering::Acquire), MAPPED | FAILED);
         let slot = self.slots.iter().filter(done).min_by_key(|s| s.frame)?;
         let view = slot.readback.get_mapped_range(..).ok();

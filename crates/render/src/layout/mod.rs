@@ -3,6 +3,7 @@
 
 mod flags;
 mod guard;
+mod overlay;
 mod pixel;
 mod prelude;
 mod scenery;
@@ -15,9 +16,10 @@ pub use flags::{
     VISIBLE_WIDE,
 };
 pub use guard::{GUARD_PX, IMAGE_PITCH_PX, guarded, image_pitch_px, of_image, without_guard};
+pub use overlay::*;
 pub use pixel::{Pixel, depth_of};
 pub use prelude::{Sums, Variant, prelude};
-pub use scenery::SceneryUniform;
+pub use scenery::*;
 pub use view::{Detail, EyeUniform, ViewUniform, WIDEST_RAD};
 pub use words::{
     EMPTY_KEY, ID_ODD, ID_SHIFT, KEY_DEPTH_SHIFT, MASK_WORD_PX, OWN_BITS, OWN_NONE, OWN_NONE_WORD,
@@ -26,6 +28,7 @@ pub use words::{
     STATE_SHIFT, TILE_COLUMN_MASK, TILE_ROW_SHIFT,
 };
 
+pub use base::srgb::{LINEAR_STRAIGHT, SRGB_POWER, SRGB_SHIFT, SRGB_SLOPE, SRGB_STRAIGHT, SRGB_STRETCH};
 pub use cloud::format::{
     ALPHA_SHIFT, BATCH_POINTS, BLUE_SHIFT, CELLS, CHANNEL_MASK, COARSE_CENTER, COARSE_MASK, COARSE_SHIFT,
     COORDINATE_BITS, GREEN_SHIFT, MIDDLE_CENTER, MIDDLE_MASK, MIDDLE_SHIFT, OCTANT_SHIFT, OPAQUE,

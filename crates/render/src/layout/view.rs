@@ -114,20 +114,6 @@ pub struct Detail {
     pub fill_reach_px: Option<[f32; 3]>,
 }
 
-impl Default for Detail {
-    /// The papers' thresholds, no fading.
-    fn default() -> Self {
-        Self {
-            forced_planes: 0,
-            threshold_px: [100.0, 200.0, 300.0],
-            ring_rad: [20f64.to_radians(), 38f64.to_radians()],
-            smooth: false,
-            fade: false,
-            fill_reach_px: None,
-        }
-    }
-}
-
 /// The view of one frame: both eyes and the head that they are relative to.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

@@ -8,13 +8,14 @@ pub use shapes::{MOST_CORNERS, ShapeCorner, Shapes};
 
 use crate::bindings::{OfScenery, ScenerySet};
 use crate::gpu::drawing::Drawing;
-use crate::gpu::stage::Bindings;
+use crate::gpu::stage::{Bindings, ShaderError};
 use crate::gpu::{Gpu, QueueGuard};
 use crate::layout::{SceneryUniform, Variant, image_pitch_px};
 use crate::renderer::Setup;
 use crate::shaders;
 use crate::targets::Targets;
 use base::space::{Eye, Pose};
+use base::srgb::linear_of_step;
 use glam::{DMat3, DMat4, DVec3, DVec4};
 use wgpu::util::DrawIndirectArgs;
 
@@ -22,7 +23,7 @@ use wgpu::util::DrawIndirectArgs;
 const GRID_PERIOD_M: f64 = 1000.0;
 
 /// How the surround looks. Colors are sRGB.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Surround {
     /// Color straight up.
     pub sky: [u8; 3],
@@ -74,7 +75,7 @@ struct SceneryPass {
 }
 
 impl Scenery {
-    pub fn new(gpu: &Gpu, setup: &Setup, surround: Option<Surround>) -> Self {
+    pub fn new(gpu: &Gpu, setup: &Setup, surround: Option<Surround>) -> Result<Self, ShaderError> {
         let wgsl = shaders::SCENERY.source(Variant::eyes(2));
         let pass = |entries, buffers: &[Option<wgpu::VertexBufferLayout>]| {
             SceneryPass::new(gpu, setup, &wgsl, entries, buffers)
@@ -83,10 +84,10 @@ impl Scenery {
         let uniform =
             |_| gpu.buffer("scenery", size_of::<SceneryUniform>() as u64, usage(wgpu::BufferUsages::UNIFORM));
         let num_bytes = (MOST_CORNERS * size_of::<ShapeCorner>()) as u64;
-        Self {
+        Ok(Self {
             surround,
-            over_all: [pass(["whole", "surround"], &[]), pass(["whole", "vignette"], &[])],
-            shape: pass(["corner", "shape"], &[Some(ShapeCorner::layout())]),
+            over_all: [pass(["whole", "surround"], &[])?, pass(["whole", "vignette"], &[])?],
+            shape: pass(["corner", "shape"], &[Some(ShapeCorner::layout())])?,
             uniforms: [0, 1].map(uniform),
             corners: gpu.buffer("corners", num_bytes, usage(wgpu::BufferUsages::VERTEX)),
             draws: gpu.buffer(
@@ -103,7 +104,12 @@ impl Scenery {
             card: no_card(gpu),
             groups: vec![],
             binding: None,
-        }
+        })
+    }
+
+    /// Sets what is seen where no point is, from the next frame on.
+    pub fn set_surround(&mut self, surround: Option<Surround>) {
+        self.surround = surround;
     }
 
     /// Sets the picture of the card, which shapes with places on it show; `None`: there is none.
@@ -176,7 +182,7 @@ impl SceneryPass {
         wgsl: &str,
         entries: [&str; 2],
         buffers: &[Option<wgpu::VertexBufferLayout>],
-    ) -> Self {
+    ) -> Result<Self, ShaderError> {
         let target = wgpu::ColorTargetState {
             format: setup.color_format,
             blend: Some(wgpu::BlendState::ALPHA_BLENDING),
@@ -184,10 +190,10 @@ impl SceneryPass {
         };
         let [vertex, fragment] = entries;
         let name = "scenery";
+        let bindings = Bindings::of(name, wgsl, vertex, &[])?.with(Bindings::of(name, wgsl, fragment, &[])?);
         let pipeline =
             Drawing { name, wgsl, entries, buffers, target: Some(target), depth_format: None }.pipeline(gpu);
-        let bindings = Bindings::of(name, wgsl, vertex).with(Bindings::of(name, wgsl, fragment));
-        Self { pipeline, bindings }
+        Ok(Self { pipeline, bindings })
     }
 
     fn bind(&self, gpu: &Gpu, resources: &OfScenery) -> wgpu::BindGroup {
@@ -225,8 +231,8 @@ pub fn uniform_of(
     let of = |x: f64, y: f64, z: f64| (axes * DVec3::new(x, y, z)).as_vec3().to_array();
     let p = grid_from_view.position;
     let within = |at: f64| at.rem_euclid(GRID_PERIOD_M);
-    let colors = surround.unwrap_or(Surround { sky: [0; 3], horizon: [0; 3], ground: [0; 3], grid: None });
-    let linear = |rgb: [u8; 3]| rgb.map(|c| crate::frame::linear_from_srgb(c) as f32);
+    let colors = surround.unwrap_or_default();
+    let linear = |rgb: [u8; 3]| rgb.map(|c| linear_of_step(c) as f32);
     SceneryUniform {
         clip_from_stage: clip_from_stage(eye, view.near_m),
         ray: of(fov.left, fov.up, -1.0),

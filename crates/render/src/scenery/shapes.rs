@@ -90,11 +90,16 @@ impl Shapes {
     }
 
     /// The card, upright in the x-y plane of its own space round the origin: width and height in meters.
-    pub fn card(&mut self, stage_from_card: &Pose, [width, height]: [f64; 2]) {
+    pub fn card(&mut self, stage_from_card: &Pose, size_m: [f64; 2]) {
+        self.card_part(stage_from_card, size_m, [0.0, 1.0]);
+    }
+
+    /// A part of the card, like a card of its own: from one share of its width to another.
+    pub fn card_part(&mut self, stage_from_card: &Pose, [width, height]: [f64; 2], [from, to]: [f32; 2]) {
         let corner = |x: f32, y: f32| {
             let p = DVec3::new((f64::from(x) - 0.5) * width, (0.5 - f64::from(y)) * height, 0.0);
             let p_in_stage = stage_from_card.matrix().transform_point3(p).as_vec3().to_array();
-            ShapeCorner { p_in_stage, on_card: [x, y], color: [1.0; 4] }
+            ShapeCorner { p_in_stage, on_card: [from + x * (to - from), y], color: [1.0; 4] }
         };
         let [a, b, c, d] = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0), corner(1.0, 0.0)];
         self.push([a, b, c]);
@@ -172,6 +177,10 @@ mod tests {
         assert_eq!(of([0.0, 0.0]), [-0.4, 1.75, -2.0]);
         assert_eq!(of([1.0, 1.0]), [0.4, 1.25, -2.0]);
         assert_eq!(shapes.corners().len(), 6);
+        shapes.clear();
+        shapes.card_part(&Pose::IDENTITY, [0.8, 0.5], [0.5, 1.0]);
+        let left = shapes.corners().iter().find(|corner| corner.p_in_stage[0] < 0.0).expect("a left corner");
+        assert_eq!(left.on_card[0], 0.5);
     }
 
     #[test]

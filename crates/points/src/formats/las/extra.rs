@@ -1,4 +1,4 @@
-//! Extra bytes: values behind the standard point record, as a record of the file describes them [LAS 1.4 R15, table
+//! Extra bytes: values behind the standard point record, as a record of the file describes them [LAS, table
 //! 24].
 
 use super::header::text;
@@ -68,6 +68,7 @@ fn describe(entry: &[u8]) -> Extra {
             scale: float(112, HAS_SCALE).unwrap_or(1.0),
             offset: float(136, HAS_OFFSET).unwrap_or(0.0),
             no_data,
+            is_detail: false,
         }
     };
     Extra { fields: (0..=rest).map(|part| (Some(field(part)), num_bytes)).collect(), name }

@@ -16,7 +16,6 @@ use crate::source::Source;
 use crate::{Header, Projection, ScanError, Schema};
 use base::task::Progress;
 use base::words::counted;
-use extra::Extra;
 use header::LasHeader;
 use laz::Laz;
 use record::Layout;
@@ -29,6 +28,11 @@ pub(super) struct Las;
 impl Format for Las {
     fn names(&self) -> &'static [&'static str] {
         &["LAS", "LAZ"]
+    }
+
+    fn sidecars(&self) -> &'static [&'static str] {
+        // Spatial indexes, and statistics and tables of tiles that other programs keep.
+        &["lax", "lasx", "lasd", "copc"]
     }
 
     fn probe(&self, candidate: &Candidate) -> bool {
@@ -46,9 +50,11 @@ impl Format for Las {
                 .ok_or_else(|| las.short_records(&source))?,
             Packing::Laz(laz) => laz.layout(las.minor, &extra),
         };
-        let schema = layout.schema();
-        let header = describe(&source, &las, &vlrs, &packing, attributes(&schema, &extra));
-        Ok(Box::new(LasFile { source, las, packing, layout, schema, header }))
+        if let Some((attribute, kind)) = layout.misfit() {
+            return Err(ScanError::Column { path: path.to_owned(), attribute, kind });
+        }
+        let header = describe(&source, &las, &vlrs, &packing, layout.schema());
+        Ok(Box::new(LasFile { source, las, packing, layout, header }))
     }
 }
 
@@ -78,7 +84,6 @@ struct LasFile {
     las: LasHeader,
     packing: Packing,
     layout: Layout,
-    schema: Schema,
     header: Header,
 }
 
@@ -95,10 +100,6 @@ struct PointsRead {
 impl Dataset for LasFile {
     fn header(&self) -> &Header {
         &self.header
-    }
-
-    fn schema(&self) -> &Schema {
-        &self.schema
     }
 
     fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError> {
@@ -137,13 +138,7 @@ impl Dataset for LasFile {
     }
 }
 
-fn describe(
-    source: &Source,
-    las: &LasHeader,
-    vlrs: &[Vlr],
-    packing: &Packing,
-    attributes: Vec<String>,
-) -> Header {
+fn describe(source: &Source, las: &LasHeader, vlrs: &[Vlr], packing: &Packing, schema: Schema) -> Header {
     let kind = match packing {
         Packing::Raw => "LAS",
         Packing::Laz(_) if vlr::payload(vlrs, VlrKind::Copc).is_some() => "COPC (LAZ)",
@@ -166,7 +161,9 @@ fn describe(
             Packing::Raw => raw::num_points(source, las),
             Packing::Laz(_) => las.announced_points,
         },
-        attributes,
+        schema,
+        parts: Vec::new(),
+        is_splats: false,
         crs: crs.name,
         unit_m: crs.unit_m,
         vertical_unit_m: crs.vertical_unit_m,
@@ -189,12 +186,4 @@ fn crs(las: &LasHeader, vlrs: &[Vlr]) -> Crs {
     );
     // The second system only fills in what the first leaves open.
     if las.wkt { wkt.or(keys) } else { keys.or(wkt) }
-}
-
-/// Names of the attributes of each point. Extra bytes have the names that the file gives them, whether they can be read
-/// or not.
-fn attributes(schema: &Schema, extra: &[Extra]) -> Vec<String> {
-    let named = extra.iter().filter(|extra| !extra.name.is_empty());
-    let named = named.map(|extra| format!("extra:{}", extra.name));
-    schema.standard_names().into_iter().chain(named).collect()
 }

@@ -1,8 +1,8 @@
-//! A point record: which attributes it has and where, and how records become columns [LAS 1.4 R15, tables 7 to 17].
+//! A point record: which attributes it has and where, and how records become columns [LAS, tables 7 to 17].
 
 use super::extra::Extra;
 use crate::block::Block;
-use crate::column::{ColumnPart, Type};
+use crate::column::{Column, ColumnPart, Type};
 use crate::{Attribute, Field, Grid, Marks, Projection, Schema, Waveform};
 use laz::LazItem;
 use laz::laszip::LazItemType;
@@ -62,6 +62,8 @@ pub(super) struct Layout {
     /// Bytes from one record to the next, at least as many as its parts need.
     pub record_bytes: usize,
     fields: Vec<(Field, FieldPlace)>,
+    /// Names of extra bytes that no column can hold.
+    unread: Vec<String>,
 }
 
 /// Bytes of a standard record; `None` for a format that does not exist.
@@ -204,8 +206,9 @@ impl Layout {
                 (Field::plain(Attribute::Waveform(part), kind), FieldPlace::At(at + behind))
             }));
         }
-        let mut at = offsets.extra.start;
+        let (mut at, mut unread) = (offsets.extra.start, Vec::new());
         for extra in extra {
+            let num_before = fields.len();
             for (field, num_bytes) in &extra.fields {
                 if let Some(field) = field.clone().filter(|_| at + num_bytes <= offsets.extra.end) {
                     let place = if field.kind == Type::U8 {
@@ -217,13 +220,29 @@ impl Layout {
                 }
                 at += num_bytes;
             }
+            if fields.len() < num_before + extra.fields.len() && !extra.name.is_empty() {
+                unread.push(extra.name.clone());
+            }
         }
-        Self { record_bytes, fields }
+        Self { record_bytes, fields, unread }
     }
 
     /// Attributes of the records.
     pub fn schema(&self) -> Schema {
-        Schema { fields: self.fields.iter().map(|(field, _)| field.clone()).collect() }
+        let fields = self.fields.iter().map(|(field, _)| field.clone()).collect();
+        Schema { fields, unread: self.unread.clone() }
+    }
+
+    /// The first attribute whose place cannot be read into a column of its type: a fault of this file. Reading trusts
+    /// that there is none.
+    pub fn misfit(&self) -> Option<(Attribute, Type)> {
+        let fits = |(field, place): &(Field, FieldPlace)| {
+            let mut column = Column::new(field.kind);
+            let no_records = RecordBytes { bytes: &[], record_bytes: self.record_bytes.max(1) };
+            column.grow(0).is_ok_and(|mut part| place.read(&no_records, &mut part))
+        };
+        let misfit = self.fields.iter().find(|field| !fits(field));
+        misfit.map(|(field, _)| (field.attribute.clone(), field.kind))
     }
 
     /// How the wanted attributes are taken out of the records.
@@ -284,8 +303,9 @@ impl Extractor {
 }
 
 impl FieldPlace {
-    /// Takes an attribute out of records. The column's type fits the place, because the layout makes both.
-    fn read(self, records: &RecordBytes, column: &mut ColumnPart) {
+    /// Takes an attribute out of records; returns false, and does nothing, if the place does not hold values of the
+    /// column's type.
+    fn read(self, records: &RecordBytes, column: &mut ColumnPart) -> bool {
         match (self, column) {
             (Self::Bits { at, shift, mask }, ColumnPart::U8(values)) => {
                 records.copy(values, at, |[byte]: [u8; 1]| byte >> shift & mask);
@@ -309,8 +329,9 @@ impl FieldPlace {
             (Self::At(at), ColumnPart::F32x3(values)) => {
                 records.copy(values, at, |bytes| le_i32x3(bytes).map(|bits| f32::from_bits(bits as u32)));
             }
-            (place, column) => debug_assert!(false, "{place:?} is not the place of {column:?}"),
+            _ => return false,
         }
+        true
     }
 }
 
@@ -356,7 +377,6 @@ fn le_u16x3(bytes: [u8; 6]) -> [u16; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::column::Column;
 
     fn of_format(point_format: u8) -> Layout {
         Layout::of_format(point_format, 4, standard_bytes(point_format).unwrap(), &[]).unwrap()
@@ -408,6 +428,16 @@ mod tests {
             });
             assert!(ends.max().unwrap() <= layout.record_bytes, "{format}");
         }
+    }
+
+    #[test]
+    fn a_place_that_does_not_hold_a_columns_type_is_found() {
+        for format in 0..=10 {
+            assert_eq!(of_format(format).misfit(), None, "{format}");
+        }
+        let mut layout = of_format(7);
+        layout.fields[0].0.kind = Type::Bool;
+        assert_eq!(layout.misfit(), Some((Attribute::Intensity, Type::Bool)));
     }
 
     #[test]

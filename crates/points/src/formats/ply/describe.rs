@@ -4,7 +4,7 @@ use super::header::{Element, Encoding, PlyHeader};
 use super::reader::{Color, Kept, Purpose, RowReader};
 use super::text;
 use crate::source::Source;
-use crate::{Attribute, Header, Schema, up};
+use crate::{Header, Schema, up};
 
 /// What a file says of itself.
 pub(super) fn header(
@@ -12,7 +12,7 @@ pub(super) fn header(
     ply: &PlyHeader,
     readers: &[RowReader],
     (points, has): (&RowReader, Kept),
-    schema: &Schema,
+    schema: Schema,
 ) -> Header {
     let kind = match ply.encoding {
         Encoding::Ascii => "ascii",
@@ -29,12 +29,15 @@ pub(super) fn header(
         Kept { is_splat: true, .. } => ", Gaussian splat",
         _ => "",
     };
+    let columns: Vec<String> = points.scalars.iter().map(|scalar| scalar.name.clone()).collect();
     Header {
         path: source.path().to_owned(),
         format: format!("PLY, {kind}{splat}"),
         num_points,
-        attributes: attributes(readers, points, has, schema),
-        up: up::stated(&ply.remarks, &points.extra),
+        up: up::stated(&ply.remarks, &columns),
+        schema,
+        parts: parts(readers),
+        is_splats: has.is_splat,
         software: software(&ply.remarks),
         created: created(&ply.remarks),
         warnings: ply.oddities.iter().cloned().chain(texture(ply, has)).collect(),
@@ -68,22 +71,20 @@ fn texture(ply: &PlyHeader, has: Kept) -> Option<String> {
     })
 }
 
-fn attributes(readers: &[RowReader], points: &RowReader, has: Kept, schema: &Schema) -> Vec<String> {
-    let mut names = schema.standard_names();
-    // Colors of faces have a name of their own.
-    names.retain(|name| has.color != Color::Absent || Some(&name[..]) != Attribute::Color.listed_as());
+/// What the file has beside points.
+fn parts(readers: &[RowReader]) -> Vec<String> {
+    let mut parts = Vec::new();
     for reader in readers.iter().filter(|reader| reader.count > 0) {
         match reader.purpose {
             Purpose::Faces(color) => {
-                names.extend((color != Color::Absent).then(|| "rgb of faces".to_owned()));
-                names.push(format!("faces: {}", reader.count));
+                parts.extend((color != Color::Absent).then(|| "rgb of faces".to_owned()));
+                parts.push(format!("faces: {}", reader.count));
             }
-            Purpose::Strips => names.push("triangle strips".into()),
+            Purpose::Strips => parts.push("triangle strips".into()),
             Purpose::Points(_) | Purpose::Chunks | Purpose::Unused => {}
         }
     }
-    names.extend(points.extra.iter().map(|name| format!("extra:{name}")));
-    names
+    parts
 }
 
 /// The program that a remark names: "Created by CloudCompare v2.11.1", "VCGLIB generated".

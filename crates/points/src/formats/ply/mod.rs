@@ -46,6 +46,10 @@ impl Format for Ply {
         &["PLY"]
     }
 
+    fn has_splats(&self) -> bool {
+        true
+    }
+
     fn probe(&self, candidate: &Candidate) -> bool {
         let head = candidate.head;
         let text = head.strip_prefix(BYTE_ORDER_MARK).unwrap_or(head).trim_ascii_start();
@@ -63,7 +67,7 @@ impl Format for Ply {
         };
         let (points, has) = points(&choices[0]).ok_or_else(no_points)?;
         let schema = schema(&choices[0], (points, has), ply.encoding == Encoding::Ascii);
-        let header = describe::header(&source, &ply, &choices[0], (points, has), &schema);
+        let header = describe::header(&source, &ply, &choices[0], (points, has), schema);
         while has_color(&choices[choices.len() - 1]) {
             choices.push(readers(&source, &ply, choices.len())?);
         }
@@ -71,7 +75,7 @@ impl Format for Ply {
         if choices.len() > 1 && color_of_faces(&choices[choices.len() - 1]) == Color::Absent {
             choices.pop();
         }
-        Ok(Box::new(PlyFile { source, ply, choices, schema, header }))
+        Ok(Box::new(PlyFile { source, ply, choices, header }))
     }
 }
 
@@ -81,6 +85,20 @@ fn points(readers: &[RowReader]) -> Option<(&RowReader, Kept)> {
         Purpose::Points(has) => Some((reader, has)),
         _ => None,
     })
+}
+
+/// The reader that passes over faces.
+fn without_faces(reader: &RowReader) -> RowReader {
+    match reader.purpose {
+        Purpose::Faces(_) | Purpose::Strips => reader.for_survey(false),
+        Purpose::Points(_) | Purpose::Chunks | Purpose::Unused => reader.clone(),
+    }
+}
+
+/// Number of elements up to the one that has the points.
+fn num_up_to_points(readers: &[RowReader]) -> usize {
+    let is_points = |reader: &RowReader| matches!(reader.purpose, Purpose::Points(_));
+    readers.iter().position(is_points).map_or(0, |at| at + 1)
 }
 
 fn has_color(readers: &[RowReader]) -> bool {
@@ -98,11 +116,11 @@ fn schema(readers: &[RowReader], (points, has): (&RowReader, Kept), is_text: boo
     ];
     let standard = standard.into_iter().filter(|(is_there, ..)| *is_there);
     let standard = standard.map(|(_, attribute, kind)| Field::plain(attribute, kind));
-    let named = points
-        .scalars
-        .iter()
-        .map(|(_, name, kind)| Field::plain(Attribute::Named(name.clone()), kind.column(is_text)));
-    Schema { fields: standard.chain(named).collect() }
+    let named = points.scalars.iter().map(|scalar| Field {
+        is_detail: scalar.is_detail,
+        ..Field::plain(Attribute::Named(scalar.name.clone()), scalar.kind.column(is_text))
+    });
+    Schema { fields: standard.chain(named).collect(), unread: points.unread.clone() }
 }
 
 /// How the colors of faces are stored, if there are any.
@@ -149,7 +167,6 @@ struct PlyFile {
     /// Plans for all elements, for each of the colors that points have. There is at least one choice, and it has
     /// points.
     choices: Vec<Vec<RowReader>>,
-    schema: Schema,
     header: Header,
 }
 
@@ -167,10 +184,6 @@ impl Dataset for PlyFile {
         &self.header
     }
 
-    fn schema(&self) -> &Schema {
-        &self.schema
-    }
-
     fn read(&self, want: &Projection, take: &mut Take, progress: &Progress) -> Result<Trailer, ScanError> {
         let project =
             |readers: &Vec<RowReader>| readers.iter().map(|reader| reader.projected(want)).collect();
@@ -178,10 +191,16 @@ impl Dataset for PlyFile {
         let num_choices = if want.wants(&Attribute::Color) { self.choices.len() } else { 1 };
         let choices: Vec<Vec<RowReader>> = self.choices[..num_choices].iter().map(project).collect();
         let Surveyed { readers, meaning, found, sentence } = self.survey_best(&choices, progress)?;
+        // Colors of faces are known only behind the last point.
+        let of_faces = color_of_faces(readers);
+        let awaits_faces = meaning.has.color == Color::Absent && of_faces != Color::Absent;
+        let takes_faces = want.wants_triangles() || awaits_faces;
+        let passed: Vec<RowReader> = readers.iter().map(without_faces).collect();
+        let (readers, num_elements) =
+            if takes_faces { (readers, readers.len()) } else { (&passed[..], num_up_to_points(readers)) };
         let mut faces = readers.iter().filter(|reader| reader.count > 0);
         let has_faces = faces.any(|reader| matches!(reader.purpose, Purpose::Faces(_) | Purpose::Strips));
         let has_opacity = want.wants(&Attribute::Opacity) && meaning.has.opacity != Opacity::Absent;
-        let of_faces = color_of_faces(readers);
         let how = columns::how(
             &meaning,
             &found,
@@ -189,8 +208,6 @@ impl Dataset for PlyFile {
             (has_opacity, has_faces),
             self.num_announced(),
         );
-        // Colors of faces are known only behind the last point.
-        let awaits_faces = meaning.has.color == Color::Absent && of_faces != Color::Absent;
         let block_points = if awaits_faces { usize::MAX } else { want.block_points() };
         let mut rows = Rows::new(&how);
         let memory =
@@ -201,10 +218,10 @@ impl Dataset for PlyFile {
             _ => take(rows.hand_over()),
         };
         let mut body = Body::emptied_by(rows, &mut hand_over);
-        self.pass(readers, readers.len(), &mut body, progress)?;
+        self.pass(readers, num_elements, &mut body, progress)?;
         let bad_rows = bad_rows(&body);
         let Body { sink: mut rows, mut losses, mut warnings, .. } = body;
-        losses.extend(self.cut_off(rows.num_points(), rows.faces.num_faces));
+        losses.extend(self.cut_off(rows.num_points(), takes_faces.then_some(rows.faces.num_faces)));
         losses.extend(bad_rows);
         let loss = columns::settle_faces(&mut rows);
         if rows.num_kept() == 0 {
@@ -328,8 +345,7 @@ impl PlyFile {
         progress: &Progress,
     ) -> Result<Found, ScanError> {
         let readers: Vec<RowReader> = readers.iter().map(|reader| reader.for_survey(with_colors)).collect();
-        let is_points = |reader: &RowReader| matches!(reader.purpose, Purpose::Points(_));
-        let num_elements = readers.iter().position(is_points).map_or(0, |at| at + 1);
+        let num_elements = num_up_to_points(&readers);
         let mut body = Body::new(Survey::new(meaning, self.header.num_points, with_colors));
         self.pass(&readers, num_elements, &mut body, progress)?;
         if body.sink.found.num_kept + body.sink.found.num_faint == 0 {
@@ -378,8 +394,8 @@ impl PlyFile {
         ScanError::NoPoints { path: self.source.path().to_owned(), reason }
     }
 
-    /// Sentences about rows that are announced and not there.
-    fn cut_off(&self, num_points: u64, num_faces: u64) -> Vec<String> {
+    /// Sentences about rows that are announced and not there; nothing about faces if they were passed over.
+    fn cut_off(&self, num_points: u64, num_faces: Option<u64>) -> Vec<String> {
         let end = self.source.len();
         let sentence = |what, announced: u64, read: u64| {
             let announced = counted(announced, what);
@@ -393,7 +409,9 @@ impl PlyFile {
         if num_points < self.num_announced() {
             sentences.push(sentence("point", self.num_announced(), num_points));
         }
-        if num_faces < num_faces_announced {
+        if let Some(num_faces) = num_faces
+            && num_faces < num_faces_announced
+        {
             sentences.push(sentence("face", num_faces_announced, num_faces));
         }
         sentences

@@ -58,6 +58,17 @@ pub(super) const CHUNK: [&str; NUM_SLOTS] = [
     "max_b",
 ];
 
+/// A property that can be asked for by name.
+#[derive(Clone, Debug)]
+pub(super) struct NamedScalar {
+    /// Its number among the element's properties.
+    pub at: usize,
+    pub name: String,
+    pub kind: Scalar,
+    /// True if its value is known by another attribute, or makes up a splat.
+    pub is_detail: bool,
+}
+
 /// Index of the list of a face's corners.
 pub(super) fn corners(element: &Element) -> Option<usize> {
     let is_corners = |property: &Property| CORNERS.contains(&property.name.to_ascii_lowercase().as_str());

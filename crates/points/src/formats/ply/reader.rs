@@ -2,7 +2,8 @@
 
 use super::header::{Element, Property, PropertyType};
 use super::names::{
-    self, CHUNK, HARMONICS, LISTED_RGB, NORMAL, PACKED_RGB, PLACE, RGB, find, intensity, is_of_splats,
+    self, CHUNK, HARMONICS, LISTED_RGB, NORMAL, NamedScalar, PACKED_RGB, PLACE, RGB, find, intensity,
+    is_of_splats,
 };
 use super::value::{Scalar, Values};
 use crate::column::Number;
@@ -147,10 +148,10 @@ pub(super) struct RowReader {
     /// Rows announced.
     pub count: u64,
     pub purpose: Purpose,
-    /// Names of a point's properties that nothing is done with unless they are asked for, without those of splats.
-    pub extra: Vec<String>,
-    /// Properties that can be asked for by name, all except lists and coordinates: their numbers, names and types.
-    pub scalars: Vec<(usize, String, Scalar)>,
+    /// Properties that can be asked for by name: all except lists and coordinates.
+    pub scalars: Vec<NamedScalar>,
+    /// Names of a point's lists that are not read.
+    pub unread: Vec<String>,
     /// Attributes that are asked for by name, and so are kept.
     pub wanted: Vec<(Attribute, Scalar)>,
     /// Number of properties of a row.
@@ -214,17 +215,18 @@ impl RowReader {
         };
         // Splats have zeros for normals.
         let normal = !is_splat && reader.keep_three(SLOT_NORMAL, NORMAL.map(|name| find(element, name)));
-        let chunked = chunked.is_some();
-        reader.purpose = Purpose::Points(Kept { is_splat, chunked, color, intensity, normal, opacity });
+        let kept = Kept { is_splat, chunked: chunked.is_some(), color, intensity, normal, opacity };
+        reader.purpose = Purpose::Points(kept);
         for (at, Property { name, kind }) in element.properties.iter().enumerate() {
-            let is_unused = matches!(reader.uses[at], Use::Skip { .. } | Use::SkipList(..));
-            if is_unused && !(is_splat && is_of_splats(name)) {
-                reader.extra.push(name.clone());
-            }
             // Values kept in slots are spread over a range common to all files; the stored values can be asked for too.
             let is_spread = matches!(reader.uses[at], Use::Keep(_, slot) if !SLOT_PLACE.contains(&slot));
-            if let (true, PropertyType::Value(scalar)) = (is_unused || is_spread, *kind) {
-                reader.scalars.push((at, name.clone(), scalar));
+            let is_detail = is_spread || is_splat && is_of_splats(name);
+            match (reader.uses[at], *kind) {
+                (Use::SkipList(..), _) => reader.unread.push(name.clone()),
+                (usage, PropertyType::Value(kind)) if is_spread || matches!(usage, Use::Skip { .. }) => {
+                    reader.scalars.push(NamedScalar { at, name: name.clone(), kind, is_detail });
+                }
+                _ => {}
             }
         }
         Ok(reader)
@@ -263,8 +265,8 @@ impl RowReader {
         Self {
             count: element.count,
             purpose: Purpose::Unused,
-            extra: Vec::new(),
             scalars: Vec::new(),
+            unread: Vec::new(),
             wanted: Vec::new(),
             num_properties,
             uses,
@@ -325,7 +327,7 @@ impl RowReader {
                 other => other,
             };
         }
-        for (at, name, kind) in &self.scalars {
+        for NamedScalar { at, name, kind, .. } in &self.scalars {
             let attribute = Attribute::Named(name.clone());
             // The first of several properties of one name counts.
             if want.wants(&attribute) && !reader.wanted.iter().any(|(other, _)| *other == attribute) {
@@ -378,12 +380,10 @@ impl RowReader {
 
     /// The reader that keeps nothing unless the rows are chunks.
     pub fn for_chunks(&self) -> Self {
-        let mut reader = self.for_survey(false);
-        if self.purpose == Purpose::Chunks {
-            return self.clone();
+        match self.purpose {
+            Purpose::Chunks => self.clone(),
+            _ => Self { purpose: Purpose::Unused, ..self.for_survey(false) },
         }
-        reader.purpose = Purpose::Unused;
-        reader
     }
 
     /// Joins values that follow each other and are not kept into one step.

@@ -1,4 +1,4 @@
-// Stands in for plain_look_keys.inc.wgsl where a key is the depth alone.
+// Stands in for early_z_plain_keys.inc.wgsl where a key is the depth alone.
 
 @group(0) @binding(16) var<storage, read_write> depth_left_again: array<u32>;
 @group(0) @binding(17) var<storage, read_write> depth_right_again: array<u32>;

@@ -1,4 +1,4 @@
-// Early-z's look at a pixel by a plain load, which a GPU may answer from its first cache, as the papers' is; atomic
+// Early-z's reading of a pixel by a plain load, which a GPU may answer from its first cache, as the papers' is; atomic
 // loads bypass it on some. The targets are bound a second time for that. The value seen may be out of date: then it is
 // farther than the present one, and costs an atomic operation. Only the depth is looked at, one word: of two words, one
 // could be from before an exchange and one from after. If depths are equal all threads ask, and the smallest id wins as
