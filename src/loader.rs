@@ -295,7 +295,7 @@ mod tests {
             |file| Arc::new(ScanRequest { files: vec![file], read: ReadOptions::AS_FILES_SAY, kind: None });
         let (link, _actions, viewer) = link::link(Snapshot::sample());
         let (mut filler, fillings) = Filler::new(request(broken), &CancelToken::default());
-        let options = CloudOptions { lod: true, lab: None, chunk_limit: 0 };
+        let options = CloudOptions { lab: None, chunk_limit: 0 };
         let loader = Loader { options, link, stop: CancelToken::default() };
         let (begun, failed) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let count = |number: &AtomicUsize| _ = number.fetch_add(1, Ordering::SeqCst);
@@ -330,7 +330,7 @@ mod tests {
         let (mut filler, fillings) = Filler::new(Arc::clone(&request), &CancelToken::default());
         let loaded = filler.fill(&gpu);
         let filling = fillings.recv().unwrap();
-        let options = CloudOptions { lod: true, lab: None, chunk_limit: 0 };
+        let options = CloudOptions { lab: None, chunk_limit: 0 };
         // `counts` has what has come when the walk is told, observed on the loader's own thread between two runs of
         // nodes.
         let counts = Arc::new(std::sync::Mutex::new(Vec::new()));

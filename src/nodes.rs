@@ -12,9 +12,7 @@ use std::borrow::Borrow;
 /// How a scan is kept on the GPU.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CloudOptions {
-    /// True for an octree, false if every point is always drawn.
-    pub lod: bool,
-    /// What the laboratory keeps in place of that.
+    /// What the laboratory keeps in place of an octree.
     pub lab: Option<LabCloud>,
     /// Bytes of the point pool that one binding holds at most; 0 for as much as the GPU allows.
     pub chunk_limit: u64,
@@ -24,7 +22,7 @@ impl CloudOptions {
     /// True for an octree.
     #[must_use]
     pub fn is_octree(&self) -> bool {
-        self.lod && self.lab.is_none()
+        self.lab.is_none()
     }
 }
 
@@ -53,22 +51,10 @@ fn send_unguarded<E: From<BuildError> + From<UploadError>>(
     task: &Task,
     came: impl FnOnce(CloudBuffers, &Scene),
 ) -> Result<(), E> {
-    let CloudOptions { lab, chunk_limit, .. } = *options;
-    if let Some(lab) = lab {
-        let (buffers, scene) = lab.send::<E>(gpu, scan, chunk_limit, task)?;
-        came(buffers, &scene);
-        return Ok(());
-    }
-    if options.lod {
-        return send_octree(gpu, scan.borrow(), chunk_limit, task, came);
-    }
-    let num_points = scan.borrow().num_points() as u64;
-    let sorting = task.begin("sorting", "points", num_points);
-    let cloud = cloud::build(scan.borrow(), &sorting)?;
-    drop((scan, sorting));
-    // The bytes are those of three planes and colors.
-    let sending = task.begin("sending to the GPU", "bytes", 16 * num_points);
-    came(CloudBuffers::upload(gpu, &cloud, chunk_limit, &sending)?, &cloud.scene);
+    let CloudOptions { lab, chunk_limit } = *options;
+    let Some(lab) = lab else { return send_octree(gpu, scan.borrow(), chunk_limit, task, came) };
+    let (buffers, scene) = lab.send::<E>(gpu, scan, chunk_limit, task)?;
+    came(buffers, &scene);
     Ok(())
 }
 

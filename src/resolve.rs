@@ -58,7 +58,7 @@ impl Plan {
     /// What `config` comes to.
     #[must_use]
     pub fn of(config: &Config) -> Self {
-        let Config { gpu, cloud, frame, lod, headset, surround, simulated, locomotion, window, .. } = config;
+        let Config { gpu, cloud, frame, headset, surround, simulated, locomotion, window, .. } = config;
         let lab = lab_options(config);
         let [outward, inward, up, down] = simulated.fov_deg.map(f64::to_radians);
         Self {
@@ -71,11 +71,7 @@ impl Plan {
                 strict: cloud.strict,
                 show_withheld: cloud.show_withheld,
             },
-            cloud: CloudOptions {
-                lod: lod.enabled,
-                lab: lab.cloud(),
-                chunk_limit: u64::from(gpu.chunk_mib) << 20,
-            },
+            cloud: CloudOptions { lab: lab.cloud(), chunk_limit: u64::from(gpu.chunk_mib) << 20 },
             draw: DrawPlan {
                 options: lab.technique().amended(options(config)),
                 technique: lab.technique(),
@@ -229,6 +225,7 @@ fn range(key: &str) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use lab::order::Order;
     use lab::technique::Method;
     use lab::{LabCloud, LodMethod};
     use render::options::Quality;
@@ -268,13 +265,12 @@ mod tests {
     fn level_of_detail_is_one_answer() {
         let lod = |enabled, method| {
             let plan = plan(|config| (config.lod.enabled, config.lod.method) = (enabled, method));
-            let CloudOptions { lod, lab, .. } = plan.cloud;
-            (lod, lab, plan.draw.technique.error_px.is_some())
+            (plan.cloud.lab, plan.draw.technique.error_px.is_some())
         };
-        assert_eq!(lod(false, LodMethod::Spt), (false, None, false));
-        assert_eq!(lod(true, LodMethod::Octree), (true, None, false));
+        assert_eq!(lod(false, LodMethod::Spt), (Some(LabCloud::Flat(Order::Morton)), false));
+        assert_eq!(lod(true, LodMethod::Octree), (None, false));
         let tree = LabCloud::Tree { cull_backfaces: false };
-        assert_eq!(lod(true, LodMethod::Spt), (true, Some(tree), true));
+        assert_eq!(lod(true, LodMethod::Spt), (Some(tree), true));
     }
 
     #[test]

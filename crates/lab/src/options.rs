@@ -53,21 +53,21 @@ impl LabOptions {
         }
     }
 
-    /// The form in which a scan is kept in place of the program's own; `None` if it is that.
+    /// The form in which a scan is kept in place of an octree; `None` if it is that.
     #[must_use]
     pub fn cloud(&self) -> Option<LabCloud> {
         match (self.lod, self.order) {
             (Some(LodMethod::Spt), _) => Some(LabCloud::Tree { cull_backfaces: self.cull_backfaces }),
-            (Some(LodMethod::Octree), _) | (None, Order::Morton) => None,
+            (Some(LodMethod::Octree), _) => None,
             (None, order) => Some(LabCloud::Flat(order)),
         }
     }
 }
 
-/// A form in which a scan is kept on the GPU, beside the program's own.
+/// A form in which a scan is kept on the GPU in place of an octree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LabCloud {
-    /// All points in an order of the papers.
+    /// All points, which are always drawn, in an order of the papers.
     Flat(Order),
     /// A sequential point tree.
     Tree {
