@@ -28,6 +28,7 @@ mod read;
 mod scene;
 mod schema;
 mod source;
+mod station;
 mod stats;
 mod tally;
 mod uncolored;
@@ -49,6 +50,7 @@ pub use marks::Marks;
 pub use read::{peek, read};
 pub use scene::Scene;
 pub use schema::{Attribute, Field, Projection, Schema, Waveform};
+pub use station::{Station, StationKind};
 pub use stats::Stats;
 pub use uncolored::Blank;
 pub use unit::Unit;
@@ -200,6 +202,8 @@ pub struct Header {
     pub schema: Schema,
     /// What the file has beside points, in words: "faces: 2".
     pub parts: Vec<String>,
+    /// Where it was measured and photographed from, in the file's order.
+    pub stations: Vec<Station>,
     /// True if its points are the middles of Gaussian splats.
     pub is_splats: bool,
     /// Coordinate reference system.

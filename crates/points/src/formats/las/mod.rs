@@ -163,6 +163,7 @@ fn describe(source: &Source, las: &LasHeader, vlrs: &[Vlr], packing: &Packing, s
         },
         schema,
         parts: Vec::new(),
+        stations: Vec::new(),
         is_splats: false,
         crs: crs.name,
         unit_m: crs.unit_m,
