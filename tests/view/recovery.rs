@@ -124,7 +124,7 @@ fn a_required_headset_that_is_lost_ends_the_walk_with_the_reason() {
 }
 
 /// Faults of single calls, how often they happen, and the words in the log.
-pub const HITCHES: [(&str, &str); 10] = [
+pub const HITCHES: [(&str, &str); 11] = [
     ("waiterr:20:5", "xrWaitFrame: ERROR_RUNTIME_FAILURE"),
     ("waitnotrunning:20:5", "xrWaitFrame: ERROR_SESSION_NOT_RUNNING"),
     ("beginerr:20:5", "xrBeginFrame: ERROR_RUNTIME_FAILURE"),
@@ -135,6 +135,7 @@ pub const HITCHES: [(&str, &str); 10] = [
     ("locateerr:20:5", "xrLocateViews: ERROR_TIME_INVALID"),
     ("syncerr:20:5", "xrSyncActions: ERROR_RUNTIME_FAILURE"),
     ("badtime:20:5", "xrEndFrame: ERROR_TIME_INVALID"),
+    ("badpose:20:5", "xrLocateViews: ERROR_POSE_INVALID"),
 ];
 
 #[test]

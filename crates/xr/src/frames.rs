@@ -88,6 +88,5 @@ pub(super) fn locate(
     eyes: &mut Eyes,
 ) -> xr::Result<()> {
     let (flags, views) = session.locate_views(STEREO, display_time, stage)?;
-    eyes.update(flags, &views);
-    Ok(())
+    eyes.update(flags, &views)
 }

@@ -12,6 +12,8 @@
 //! - `hang`: xrWaitFrame does not return; `hangbegin`: xrBeginFrame does not;
 //! - `devicelost`: the GPU is lost, where the library is a Vulkan layer too ([`gpu`]);
 //! - `watch`: one xrEndFrame's views are written to stderr (see [`tell_views`]);
+//! - `badpose`: xrLocateViews says that a place without end is valid, as a runtime does that hands out memory that it
+//!   never wrote;
 //! - `newmask`: an event that an eye's visibility mask has changed;
 //! - `random:SEED:EVERY`: one of these after another, chosen at random, each time that EVERY frames have passed;
 //!
@@ -256,7 +258,11 @@ unsafe extern "system" fn locate_views(
         return result;
     }
     let below = unsafe { next::<pfn::LocateViews>(c"xrLocateViews") };
-    unsafe { below(session, info, state, capacity, count, views) }
+    let result = unsafe { below(session, info, state, capacity, count, views) };
+    if result == xr::Result::SUCCESS && capacity > 0 && fires("badpose") {
+        unsafe { (*views).pose.position.x = 6e23 };
+    }
+    result
 }
 
 unsafe extern "system" fn sync_actions(session: xr::Session, info: *const xr::ActionsSyncInfo) -> xr::Result {

@@ -33,8 +33,8 @@ pub const FAILURES: [(&str, &str, xr::Result); 20] = [
 ];
 
 /// Faults that happen at random: all failures, and these.
-const OTHERS: [&str; 8] =
-    ["discard", "exit", "losspending", "exiting", "instloss", "norender", "newmask", "devicelost"];
+const OTHERS: [&str; 9] =
+    ["discard", "exit", "losspending", "exiting", "instloss", "norender", "newmask", "badpose", "devicelost"];
 /// The fault of `random` that happens next.
 static ARMED: Mutex<Option<&str>> = Mutex::new(None);
 
