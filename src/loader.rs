@@ -6,7 +6,7 @@ use crate::walk::filling::{Filling, Loaded, ScanRequest};
 use crate::walk::kind::ScanKind;
 use crate::walk::link::{LoadState, WalkEnd};
 use crate::walk::moving::floors::{Floors, FloorsCell};
-use crate::walk::start::{StartsCell, start};
+use crate::walk::start::{StartsCell, start, stations};
 use base::task::{CancelToken, Progress, Task};
 use base::words;
 use cloud::BuildError;
@@ -158,6 +158,7 @@ impl Loader {
             start,
             starts: Arc::clone(&kept.starts),
             floors: Arc::clone(&kept.floors),
+            stations: stations(scene, unit_m),
         });
         bytes
     }

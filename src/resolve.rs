@@ -70,6 +70,7 @@ impl Plan {
                 project: cloud.project,
                 strict: cloud.strict,
                 show_withheld: cloud.show_withheld,
+                columns: cloud.columns.clone(),
             },
             cloud: CloudOptions { lab: lab.cloud(), chunk_limit: u64::from(gpu.chunk_mib) << 20 },
             draw: DrawPlan {

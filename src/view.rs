@@ -118,6 +118,8 @@ pub fn run(
                 if error_stays.is_zero() {
                     ending.fail(error.into());
                 } else {
+                    // Whoever looks at the terminal need not wait for the end.
+                    tracing::warn!("the scan could not be loaded: {error}");
                     ending.fail_later(error.into());
                 }
             },
@@ -204,9 +206,12 @@ impl Leaving<'_> {
             if self.stop.is_cancelled()
                 && self.since.get_or_insert_with(Instant::now).elapsed() > LEAVE_WITHIN
             {
-                eprintln!(
-                    "scanwalk: left without waiting for the headset's software or the GPU's driver, which does not answer"
-                );
+                if *self.threads != Threads::LeftBehind {
+                    eprintln!(
+                        "scanwalk: left without waiting for the headset's software or the GPU's driver, which does not \
+                         answer"
+                    );
+                }
                 *self.threads = Threads::LeftBehind;
                 return None;
             }

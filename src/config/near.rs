@@ -1,12 +1,10 @@
 //! The value of `frame.near_m`: a length that the user chose, or none.
 
 use crate::draw::NEAR;
+use base::choice::AUTO;
 use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
-
-/// Name that stands for no length of the user's.
-const AUTO: &str = "auto";
 
 /// Points nearer than this are not drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -11,7 +11,7 @@ use base::choice::Auto;
 use lab::LodMethod;
 use lab::order::Order;
 use lab::technique::{EarlyZLoad, Method};
-use points::{Project, ReadOptions, Unit, Up};
+use points::{ColumnNames, Project, ReadOptions, Unit, Up};
 use render::gpu::Atomics;
 use render::options::{Dilate, Overlay, Precision, Quality};
 use serde::{Deserialize, Serialize};
@@ -51,6 +51,9 @@ settings! {
         project: Project = ReadOptions::AS_FILES_SAY.project;
         /// true: points that their files flag as withheld, which means deleted, are drawn too.
         show_withheld: bool = ReadOptions::AS_FILES_SAY.show_withheld;
+        /// The columns of text files, "x,y,z,r,g,b,i,-", "-" for one that is passed over; "" (as the files
+        /// say, or as their values tell).
+        columns: ColumnNames = ReadOptions::AS_FILES_SAY.columns;
     }
 
     /// How the frame is drawn.

@@ -41,7 +41,8 @@ pub fn paint(walk: &PaintEnd, stop: &CancelToken) {
 
 /// A card that says how loading stands. `Some(None)` if there is nothing to say, `None` if the GPU's queue cannot be had.
 fn card(easel: &mut Easel, load: &LoadState, is_worn: bool) -> Option<Option<wgpu::Texture>> {
-    if load.doing.is_none() && load.error.is_none() && !(is_worn && is_empty(load)) {
+    let has_words = load.doing.is_some() || load.error.is_some() || is_empty(load);
+    if !(is_worn && has_words) {
         return Some(None);
     }
     easel.paint(Vec::new(), |ui| contents(ui, &load.names(), load)).map(Some)
@@ -56,7 +57,7 @@ pub(super) fn contents(ui: &mut Ui, scan: &str, load: &LoadState) {
     let frame = Frame::new().inner_margin(Margin::same(24)).fill(style::card().fill.to_opaque());
     CentralPanel::default().frame(frame).show(ui, |ui| {
         if let Some(error) = &load.error {
-            notice::failure(ui, error, "Take the headset off, and start again with another file.");
+            notice::failure(ui, error, "Take the headset off, and open another scan in the window.");
         } else if let Some(doing) = &load.doing {
             ui.label(RichText::new(scan).heading());
             ui.add_space(12.0);

@@ -19,7 +19,9 @@ pub(super) fn show(ui: &mut Ui, view: &mut WindowState) {
         .order(Order::Foreground)
         .anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
     area.show(ui.ctx(), |ui| {
-        style::card().inner_margin(Margin::symmetric(22, 18)).show(ui, |ui| {
+        let frame = style::card().inner_margin(Margin::symmetric(22, 18));
+        // Lines of small text stand on nothing else.
+        frame.fill(frame.fill.to_opaque()).show(ui, |ui| {
             ui.horizontal(|ui| {
                 ui.heading("Keys and mouse");
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

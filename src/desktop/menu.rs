@@ -16,7 +16,7 @@ use std::sync::mpsc::Sender;
 use std::time::Duration;
 
 /// Size of the menu's texture, pixels.
-pub(super) const SIZE_PX: [u32; 2] = [720, 1440];
+pub(super) const SIZE_PX: [u32; 2] = [900, 1440];
 /// Size of the label's texture, pixels.
 const LABEL_PX: [u32; 2] = [432, 144];
 /// Pause between two looks at what hands do, while it is open.
@@ -215,6 +215,8 @@ fn row(ui: &mut Ui, chosen: &mut Vec<Action>, buttons: &[(&str, Action)]) {
     let gaps = ui.spacing().item_spacing.x * (buttons.len() - 1) as f32;
     let width = (ui.available_width() - gaps) / buttons.len() as f32;
     ui.horizontal(|ui| {
+        // Three words share the width.
+        ui.spacing_mut().button_padding.x = 3.0;
         for (text, action) in buttons {
             if ui.add_sized([width, BUTTON], Button::new(*text)).clicked() {
                 chosen.push(action.clone());
@@ -240,7 +242,7 @@ mod tests {
         assert_eq!(presses(at(0.5, true), at(0.6, true)), 0, "it is held");
         assert!(events(at(0.5, true), away) == [Event::PointerGone]);
         let moved = events(away, at(0.5, false));
-        assert!(moved == [Event::PointerMoved(Pos2::new(120.0, 240.0))], "{moved:?}");
+        assert!(moved == [Event::PointerMoved(Pos2::new(150.0, 240.0))], "{moved:?}");
     }
 
     #[test]

@@ -65,6 +65,7 @@ mod screen;
 mod server;
 mod stance;
 mod style;
+mod title;
 mod widget;
 mod window;
 

@@ -5,29 +5,34 @@ use super::style::{self, BAD, FAINT, GOOD, WARN};
 use crate::walk::action::Action;
 use crate::walk::link::{HeadsetState, LoadState};
 use base::task::Done;
-use egui::{Align2, Area, Id, ProgressBar, RichText, Ui};
+use egui::{Align2, Area, Id, ProgressBar, Rect, RichText, Ui};
 use std::time::{Duration, Instant};
 
-/// Draws what there is to say. `picture` is true if the eyes already show something.
-pub(super) fn show(ui: &mut Ui, load: &LoadState, picture: bool, leave_pending: bool) {
+/// Draws what there is to say, within this part of the window. `picture` is true if the eyes already show something.
+pub(super) fn show(ui: &mut Ui, within: Rect, load: &LoadState, picture: bool, leave_pending: bool) {
     if let Some(error) = &load.error {
-        failed(ui, error);
+        failed(ui, within, error);
     } else if let Some(doing) = &load.doing {
-        loading(ui, doing, picture);
+        loading(ui, within, doing, picture);
     }
     if leave_pending {
-        card(ui, "leave", Align2::CENTER_BOTTOM, -70.0, |ui| ui.label("Press Esc again to quit"));
+        card(ui, within, "leave", Align2::CENTER_BOTTOM, -70.0, |ui| ui.label("Press Esc again to quit"));
     }
 }
 
 /// How long a notice stays.
-const TOLD_FOR: Duration = Duration::from_secs(5);
+const TOLD_FOR: Duration = Duration::from_secs(8);
 
-/// Draws what the frame thread told last, for a while.
-pub(super) fn told(ui: &mut Ui, notice: Option<&(Instant, String)>, now: Instant) {
+/// Draws what the frame thread told last, for a while, within this part of the window.
+pub(super) fn told(ui: &mut Ui, within: Rect, notice: Option<&(Instant, String)>, now: Instant) {
     if let Some((_, text)) = notice.filter(|(at, _)| now.saturating_duration_since(*at) < TOLD_FOR) {
-        card(ui, "told", Align2::CENTER_TOP, 16.0, |ui| ui.label(text));
+        card(ui, within, "told", Align2::CENTER_TOP, 16.0, |ui| ui.label(text));
     }
+}
+
+/// True if the card that stays says the same.
+pub(super) fn is_said(headset: &HeadsetState, text: &str) -> bool {
+    headset.waiting_because.as_deref().is_some_and(|because| text.contains(because))
 }
 
 /// States of a session in which nobody sees the walk.
@@ -68,10 +73,10 @@ pub(super) fn waiting(ui: &mut Ui, headset: &HeadsetState, is_stalled: bool) -> 
     shown.inner.then_some(Action::LookForHeadset)
 }
 
-fn loading(ui: &mut Ui, doing: &Done, picture: bool) {
+fn loading(ui: &mut Ui, within: Rect, doing: &Done, picture: bool) {
     // The text stands in the middle while there is nothing else to look at.
     let (align, y) = if picture { (Align2::CENTER_BOTTOM, -16.0) } else { (Align2::CENTER_CENTER, 0.0) };
-    card(ui, "loading", align, y, |ui| {
+    card(ui, within, "loading", align, y, |ui| {
         ui.set_width(260.0);
         progress(ui, doing);
     });
@@ -108,9 +113,9 @@ fn title(what: &str) -> String {
     title
 }
 
-fn failed(ui: &mut Ui, error: &str) {
-    card(ui, "failed", Align2::CENTER_CENTER, 0.0, |ui| {
-        ui.set_max_width(440.0);
+fn failed(ui: &mut Ui, within: Rect, error: &str) {
+    card(ui, within, "failed", Align2::CENTER_CENTER, 0.0, |ui| {
+        ui.set_max_width(within.width().min(500.0) - 60.0);
         failure(ui, error, "Open another scan (Ctrl+O), or drop one on this window.");
     });
 }
@@ -124,7 +129,15 @@ pub(super) fn failure(ui: &mut Ui, error: &str, what_to_do: &str) {
     ui.label(RichText::new(what_to_do).color(FAINT));
 }
 
-fn card<R>(ui: &mut Ui, name: &str, align: Align2, y: f32, contents: impl FnOnce(&mut Ui) -> R) {
-    let area = Area::new(Id::unique(name)).anchor(align, [0.0, y]).interactable(false);
+fn card<R>(
+    ui: &mut Ui,
+    within: Rect,
+    name: &str,
+    align: Align2,
+    y: f32,
+    contents: impl FnOnce(&mut Ui) -> R,
+) {
+    let area = Area::new(Id::unique(name)).constrain_to(within).anchor(align, [0.0, y]);
+    let area = area.interactable(false);
     area.show(ui.ctx(), |ui| style::card().show(ui, contents));
 }

@@ -6,7 +6,8 @@ use super::style::{self, BAD, FAINT, caption};
 use crate::walk::action::Action;
 use crate::walk::filling::ScanRequest;
 use egui::{
-    Align, Align2, Area, Button, Id, Key, Label, Layout, Order, RichText, ScrollArea, TextEdit, Ui, vec2,
+    Align, Align2, Area, Button, Id, Key, Label, Layout, Order, Rect, RichText, ScrollArea, TextEdit, Ui,
+    vec2,
 };
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -261,8 +262,9 @@ impl OpenDialog {
 }
 
 /// Draws what a window without a scan offers; true if the dialog is to open.
-pub(super) fn welcome(ui: &mut Ui) -> bool {
-    let area = Area::new(Id::unique("welcome")).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
+pub(super) fn welcome(ui: &mut Ui, within: Rect) -> bool {
+    let area =
+        Area::new(Id::unique("welcome")).constrain_to(within).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
     let shown = area.show(ui.ctx(), |ui| {
         let contents = style::card().show(ui, |ui| {
             ui.set_max_width(280.0);
@@ -285,7 +287,7 @@ fn home() -> PathBuf {
 /// Looks where a path leads. Names that begin with a dot are passed over, as everywhere.
 fn look(path: &Path) -> PathTarget {
     let failed = |error: std::io::Error| {
-        PathTarget::Nothing(format!("{} cannot be read: {error}; choose another folder", path.display()))
+        PathTarget::Nothing(format!("{} cannot be read: {error}; choose another", path.display()))
     };
     match std::fs::metadata(path) {
         Err(error) => return failed(error),
@@ -293,13 +295,11 @@ fn look(path: &Path) -> PathTarget {
         Ok(_) => {}
     }
     let folder = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let endings: Vec<String> = points::format_endings().collect();
     let entry = |found: std::fs::DirEntry| {
         let (path, name) = (found.path(), found.file_name().display().to_string());
         // Links are followed; what leads nowhere is left out.
         let about = std::fs::metadata(&path).ok().filter(|_| !name.starts_with('.'))?;
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
-        let is_scan = ending.is_some_and(|ending| endings.contains(&ending));
+        let is_scan = points::is_named_as_scan(&path);
         let bytes = (!about.is_dir()).then_some(about.len());
         (about.is_dir() || is_scan).then_some(FolderEntry { name, path, bytes })
     };
@@ -339,7 +339,7 @@ mod tests {
     fn it_lists_folders_and_scans_and_opens_what_is_chosen() {
         let folder = tempfile::tempdir().unwrap();
         let at = std::fs::canonicalize(folder.path()).unwrap();
-        for name in ["b.LAZ", "a.las", "notes.txt", ".hidden.las"] {
+        for name in ["b.LAZ", "a.las", "notes.md", "las", ".hidden.las"] {
             std::fs::write(at.join(name), "12345").unwrap();
         }
         std::fs::create_dir(at.join("tiles")).unwrap();

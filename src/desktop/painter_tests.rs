@@ -365,28 +365,28 @@ fn the_help_lists_the_whole_table() {
 fn notices_say_what_goes_on() {
     let sorting = Done { what: "sorting", unit: "points", done: 425_000, total: 1_000_000 };
     let mut load = LoadState { doing: Some(sorting), ..Default::default() };
-    let words = painted(|ui| notice::show(ui, &load, false, false));
+    let words = painted(|ui| notice::show(ui, ui.ctx().content_rect(), &load, false, false));
     for expected in ["Sorting …", "42 %", "425 k of 1.00 M points"] {
         assert!(words.contains(expected), "{expected} is not in {words}");
     }
     // Progress goes on, in the words and in the bar.
     load.doing = Some(Done { done: 999_999, ..sorting });
-    let words = painted(|ui| notice::show(ui, &load, false, false));
+    let words = painted(|ui| notice::show(ui, ui.ctx().content_rect(), &load, false, false));
     assert!(words.contains("99 %") && words.contains("1.00 M of 1.00 M points"), "{words}");
     load.error = Some("hall.laz: not a LAS file; choose another".into());
-    let words = painted(|ui| notice::show(ui, &load, true, true));
+    let words = painted(|ui| notice::show(ui, ui.ctx().content_rect(), &load, true, true));
     assert!(words.contains("not a LAS file") && words.contains("Esc again") && !words.contains("Sorting"));
     // The header of a file may have claimed too few bytes; bytes have a unit of their own. Work that is not counted
     // has no figure.
     for (done, total, expected) in [(3 << 20, 2 << 20, "3.00 MiB of 2.00 MiB"), (0, 0, "über …")] {
         let doing = Some(Done { what: "über", unit: "bytes", done, total });
         let load = LoadState { doing, ..Default::default() };
-        let words = painted(|ui| notice::show(ui, &load, true, false));
+        let words = painted(|ui| notice::show(ui, ui.ctx().content_rect(), &load, true, false));
         assert!(words.contains("über") && words.contains(expected), "{words}");
         assert_eq!(words.contains('%'), total > 0, "{words}");
     }
     assert_eq!(
-        painted(|ui| notice::show(ui, &LoadState::default(), true, false)),
+        painted(|ui| notice::show(ui, ui.ctx().content_rect(), &LoadState::default(), true, false)),
         "",
         "nothing goes on any more"
     );
@@ -406,7 +406,35 @@ fn notices_say_what_goes_on() {
     }
     let now = Instant::now();
     let told = Some((now, "Saved a.left.png".to_string()));
-    let words = |at| painted(|ui| notice::told(ui, told.as_ref(), at));
+    let words = |at| painted(|ui| notice::told(ui, ui.ctx().content_rect(), told.as_ref(), at));
     assert!(words(now).contains("Saved a.left.png"));
-    assert_eq!(words(now + std::time::Duration::from_secs(6)), "", "it is told once");
+    assert_eq!(words(now + std::time::Duration::from_secs(9)), "", "it is told once");
+}
+
+#[test]
+fn all_words_of_the_menu_are_on_it() {
+    let snapshot = Snapshot { stance: Some(Stance::sample()), menu: Some(1), ..Snapshot::sample() };
+    let context = egui::Context::default();
+    style::apply(&context);
+    let size = egui::Vec2::from(menu::SIZE_PX.map(|px| px as f32 / PIXELS_PER_POINT));
+    let screen = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+    for runtime in ["SteamVR/OpenXR", "Oculus", "PICO", "Monado"] {
+        // The words that reach beyond the menu, by how wide it is.
+        let beyond = |screen: egui::Rect| {
+            let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
+            let mut output = context.run_ui(input, |ui| {
+                menu::contents(ui, &snapshot, &Stance::sample(), runtime);
+            });
+            output.textures_delta.clear();
+            let words = output.shapes.iter().filter_map(|clipped| match &clipped.shape {
+                egui::Shape::Text(text) => Some(text.visual_bounding_rect()),
+                _ => None,
+            });
+            words.filter(|words| !screen.expand(0.5).contains_rect(*words)).count()
+        };
+        beyond(screen);
+        assert_eq!(beyond(screen), 0, "{runtime}");
+        let narrow = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(200.0, size.y));
+        assert!(beyond(narrow) > 0, "what does not fit is noticed");
+    }
 }

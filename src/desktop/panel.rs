@@ -10,7 +10,7 @@ use crate::walk::action::Action;
 use crate::walk::filling::names;
 use crate::walk::link::{HeadsetState, LoadState};
 use crate::walk::state::Snapshot;
-use egui::{Align, Area, Button, Color32, Grid, Id, Layout, RichText, ScrollArea, Sense, Ui, vec2};
+use egui::{Align, Area, Button, Color32, Grid, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use render::options::{Overlay, Quality};
 use std::time::Instant;
 use timing::{FrameRow, STAGES};
@@ -19,6 +19,9 @@ use timing::{FrameRow, STAGES};
 const WIDTH: f32 = 264.0;
 /// Distance from the window's corner, points.
 const MARGIN: f32 = 12.0;
+
+/// Least width beside the panel, points, in which something is said.
+const LEAST_BESIDE: f32 = 320.0;
 
 /// Windows narrower than this, in points, begin with the panel as a button: it would cover half of the picture.
 const FOLDED_BELOW: f32 = 700.0;
@@ -72,6 +75,7 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> 
                 match view.tab {
                     PanelTab::Scan => {
                         asked.extend(opening(ui, contents, view));
+                        asked.extend(sought(ui, contents.headset));
                         asked.extend(scan(ui, contents));
                         asked.extend(appearance::show(ui, &contents.state, contents.widgets));
                         let stance = contents.state.stance.as_ref();
@@ -90,6 +94,29 @@ pub(super) fn show(ui: &mut Ui, contents: &Contents, view: &mut WindowState) -> 
         });
     });
     asked
+}
+
+/// The part of the window that the panel leaves free; all of it if that would be too narrow for words.
+pub(super) fn beside(ui: &Ui, view: &WindowState) -> Rect {
+    let screen = ui.ctx().content_rect();
+    let panel = ui.ctx().memory(|memory| memory.area_rect(Id::unique("panel")));
+    let Some(panel) = panel.filter(|_| view.panel) else { return screen };
+    let free = screen.with_min_x(panel.right());
+    if free.width() < LEAST_BESIDE { screen } else { free }
+}
+
+/// Draws that no headset has answered yet, with a button to look for one at once.
+fn sought(ui: &mut Ui, headset: &HeadsetState) -> Option<Action> {
+    if !headset.is_sought || headset.waiting_because.is_some() {
+        return None;
+    }
+    let shown = ui.horizontal(|ui| {
+        ui.label(RichText::new("Headset").color(FAINT));
+        ui.label("none answers")
+            .on_hover_text("It is used as soon as one does; until then the window is all there is.");
+        ui.button("Look now").clicked()
+    });
+    shown.inner.then_some(Action::LookForHeadset)
 }
 
 /// Draws the tabs.

@@ -23,6 +23,7 @@ struct Clicker {
     view: WindowState,
     load: LoadState,
     recent: Vec<RecentScan>,
+    headset: HeadsetState,
     appearance: Appearance,
     asked: Vec<Action>,
 }
@@ -46,7 +47,8 @@ impl Clicker {
             .to_vec();
         let (size, view) = (Vec2::new(width, height), WindowState::new(&WindowOptions::sample()));
         let appearance = Appearance { shows_surround: true, ..Appearance::sample() };
-        Self { context, size, view, load, recent, appearance, asked: Vec::new() }
+        let headset = HeadsetState::default();
+        Self { context, size, view, load, recent, headset, appearance, asked: Vec::new() }
     }
 
     /// Draws the panel with these events; returns the words that are seen, and where.
@@ -64,11 +66,11 @@ impl Clicker {
         let options = WindowOptions::sample();
         let mut state = AppState::new(Overlay::None, SpeedFactor::sample(), Appearance::sample());
         state.set_appearance(self.appearance);
-        let (history, headset) = (History::default(), HeadsetState::default());
+        let history = History::default();
         let contents = panel::Contents {
             history: &history,
             load: &self.load,
-            headset: &headset,
+            headset: &self.headset,
             recent: &self.recent,
             widgets: &options.widgets,
             state: state.snapshot(),
@@ -134,6 +136,17 @@ fn another_unit_or_axis_reads_the_scan_anew() {
     clicker.click("auto", 1);
     clicker.click("auto", 2);
     assert_eq!(clicker.asked, []);
+}
+
+#[test]
+fn a_headset_that_never_answered_is_looked_for_at_once() {
+    let mut clicker = Clicker::new(1000.0, 1000.0);
+    assert!(!clicker.words().contains(&"Look now".to_owned()), "nobody wishes for one");
+    clicker.headset.is_sought = true;
+    clicker.click("Look now", 0);
+    assert_eq!(clicker.asked, [Action::LookForHeadset]);
+    clicker.headset.waiting_because = Some("it is gone".into());
+    assert!(!clicker.words().contains(&"Look now".to_owned()), "the card that stays has the button");
 }
 
 #[test]

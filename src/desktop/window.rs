@@ -9,7 +9,7 @@ use super::painter::{EguiPicture, Painter};
 use super::placement::{panes, seen_at};
 use super::recent::{self, Recent};
 use super::screen::WindowSurface;
-use super::{DesktopError, QUEUE_PATIENCE, WindowOptions, help, notice, panel, server, style};
+use super::{DesktopError, QUEUE_PATIENCE, WindowOptions, help, notice, panel, server, style, title};
 use crate::walk::action::Action;
 use crate::walk::link::{HeadsetState, LoadState, ViewerEnd};
 use crate::walk::state::Snapshot;
@@ -66,6 +66,8 @@ struct OpenWindow {
     full_screen: bool,
     /// True if something has changed since the last picture.
     stale: bool,
+    /// True while nothing can be drawn, because somebody keeps the GPU's queue.
+    is_starved: bool,
     drawn_at: Option<Instant>,
 }
 
@@ -149,18 +151,10 @@ impl App {
         self.failure.map_or(Ok(()), Err)
     }
 
-    /// The window's title.
-    fn title(&self) -> String {
-        match self.load.names().as_str() {
-            "" => "scanwalk".to_string(),
-            scan => format!("{scan} – scanwalk"),
-        }
-    }
-
     fn open(&self, events: &ActiveEventLoop) -> Result<OpenWindow, DesktopError> {
         let [width, height] = self.options.size.map(|edge| edge.max(1));
         let attributes = Window::default_attributes()
-            .with_title(self.title())
+            .with_title(title::of(&self.load, false))
             .with_inner_size(LogicalSize::new(width, height))
             .with_min_inner_size(LogicalSize::new(160, 120));
         let window = Arc::new(events.create_window(attributes).map_err(refused)?);
@@ -171,6 +165,7 @@ impl App {
             occluded: false,
             full_screen: false,
             stale: true,
+            is_starved: false,
             drawn_at: None,
         })
     }
@@ -210,7 +205,7 @@ impl App {
             (self.load, self.headset, self.state) = (load, headset, state);
             news = true;
             if let Some(shown) = self.shown.as_ref().filter(|_| is_another) {
-                shown.window.set_title(&self.title());
+                shown.window.set_title(&title::of(&self.load, false));
             }
         }
         self.remember();
@@ -323,12 +318,18 @@ impl App {
             shown.move_to(gpu)?;
         }
         let canvas = &mut shown.canvas;
-        // While a runtime is stuck with the queue, the window takes keys and shows its last picture.
-        if canvas.gpu.queue.lock_within(QUEUE_PATIENCE).is_none() {
+        // While a runtime is stuck with the queue, the window takes keys and shows its last picture; its title tells.
+        let now = Instant::now();
+        let patience = if shown.is_starved { TICK } else { QUEUE_PATIENCE };
+        let is_starved = canvas.gpu.queue.lock_within(patience).is_none();
+        if is_starved != shown.is_starved && (!is_starved || self.history.is_stalled(now)) {
+            shown.is_starved = is_starved;
+            shown.window.set_title(&title::of(&self.load, is_starved));
+        }
+        if is_starved {
             return Ok(());
         }
         let Some(picture) = canvas.screen.begin()? else { return Ok(()) };
-        let now = Instant::now();
         let input = canvas.egui.take_egui_input(&shown.window);
         let context = canvas.egui.egui_ctx().clone();
         let images = self.viewer.mirror(&canvas.gpu);
@@ -350,11 +351,13 @@ impl App {
         let is_empty = self.load.scan.is_some() && shown_files.is_empty();
         let mut output = context.run_ui(input, |ui| {
             asked.extend(panel::show(ui, &contents, view));
-            notice::show(ui, &self.load, images.is_some(), view.leave_pending(now));
+            let within = panel::beside(ui, view);
+            notice::show(ui, within, &self.load, images.is_some(), view.leave_pending(now));
             asked.extend(notice::waiting(ui, &self.headset, self.history.is_stalled(now)));
-            notice::told(ui, self.viewer.notice().as_ref(), now);
+            let told = self.viewer.notice().filter(|(_, text)| !notice::is_said(&self.headset, text));
+            notice::told(ui, within, told.as_ref(), now);
             if is_empty && !view.opening {
-                view.opening = open::welcome(ui);
+                view.opening = open::welcome(ui, within);
             }
             if view.opening {
                 let dialog = self.dialog.get_or_insert_with(|| OpenDialog::new(shown_files));

@@ -3,6 +3,7 @@
 
 use super::kind::ScanKind;
 use super::locomotion::{Start, StartsCell};
+use super::moving::Standpoint;
 use super::moving::floors::FloorsCell;
 use base::task::CancelToken;
 use points::ReadOptions;
@@ -49,6 +50,8 @@ pub struct Loaded {
     pub starts: StartsCell,
     /// Where one can walk, once that is known: the same for each GPU.
     pub floors: FloorsCell,
+    /// Where the scan was measured and photographed from.
+    pub stations: Vec<Standpoint>,
 }
 
 /// A GPU that a scan is to be brought to.

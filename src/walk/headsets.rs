@@ -182,7 +182,8 @@ impl SoughtHeadsets {
         self.since = Instant::now();
         self.current = Some(current);
         let runtime = self.current().1.runtime();
-        self.link.update_headset(|headset| headset.runtime = runtime);
+        let is_sought = self.seeker.is_some();
+        self.link.update_headset(|headset| (headset.runtime, headset.is_sought) = (runtime, is_sought));
     }
 
     /// The current headset is simulated from now on, on its own GPU if it can be.

@@ -45,6 +45,8 @@ pub struct HeadsetState {
     pub device: String,
     /// State of its session: "FOCUSED", "simulated".
     pub session: &'static str,
+    /// True while the walk has none and looks for one.
+    pub is_sought: bool,
     /// Why the walk waits for a real headset that it had: the sentence for people.
     pub waiting_because: Option<String>,
 }

@@ -25,6 +25,8 @@ pub use super::moving::options::LocomotionOptions;
 pub use super::moving::place::head_of;
 pub use super::start::{Start, StartsCell};
 
+/// Whoever is nearer than this to where the walk began, meters, has not left it.
+const BEGUN_M: f64 = 0.01;
 /// Longest time that a frame moves the user for, seconds: a hitch of the program must not throw them through a wall.
 const LONGEST_FRAME_S: f64 = 0.1;
 /// Most that one walks in a second, meters, unless the user says so.
@@ -81,6 +83,7 @@ impl Locomotion {
         start: Start,
         starts: StartsCell,
         floors: FloorsCell,
+        stations: Vec<Standpoint>,
         stage_from_head: &Pose,
     ) -> Self {
         let Standpoint { floor_in_world, yaw, .. } = start.standpoint;
@@ -103,7 +106,7 @@ impl Locomotion {
             grab: Grab::default(),
             feet: Feet::default(),
             vignette: Vignette::new(options.vignette),
-            visits: Visits::default(),
+            visits: Visits::new(stations),
             before_model: None,
             guides: Guides::default(),
         };
@@ -454,7 +457,7 @@ impl Locomotion {
     }
 
     /// Shows the scan as large as life, from the place that a hand or the head points at; if it points at none, from where
-    /// the user was.
+    /// the user was, or from the ground in its middle if they have never stood in it.
     fn life_size(&mut self) {
         let pointer = match self.stage_from_aim[1].or(self.stage_from_aim[0]) {
             Some(stage_from_aim) => self.place.pose_in_world(&stage_from_aim),
@@ -462,8 +465,15 @@ impl Locomotion {
         };
         let pointed = self.pointed_at(pointer.position, pointer.orientation * DVec3::NEG_Z);
         let before = self.before_model.take();
-        let pointed =
-            pointed.map(|Landing { floor_in_world, yaw }| Standpoint { floor_in_world, yaw, scale: 1.0 });
+        // A landscape begins as a model, before anybody has stood in it.
+        let begun = self.start.standpoint.floor_in_world;
+        let far = BEGUN_M * self.start.units_per_m;
+        let has_left = |before: &Standpoint| before.floor_in_world.distance(begun) > far;
+        let has_stood = self.start.kind != ScanKind::Landscape || before.as_ref().is_some_and(has_left);
+        let top = self.start.bounds.center().with_z(self.start.bounds.max.z);
+        let below = || self.pointed_at(top, DVec3::NEG_Z).filter(|_| !has_stood);
+        let stands = |Landing { floor_in_world, yaw }| Standpoint { floor_in_world, yaw, scale: 1.0 };
+        let pointed = pointed.or_else(below).map(stands);
         match pointed.or(before.map(|before| Standpoint { scale: 1.0, ..before })) {
             Some(place) => self.go(&place),
             None => self.place.scale_about(self.stage_from_head.position.with_y(-self.raised_m), 1.0),

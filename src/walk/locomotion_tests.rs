@@ -33,7 +33,8 @@ fn eyes() -> [StageEye; 2] {
 }
 
 fn with(options: LocomotionOptions, start: Start, floors: FloorsCell) -> Locomotion {
-    let mut walk = Locomotion::new(options, start, StartsCell::default(), floors, &head_of(&eyes()));
+    let mut walk =
+        Locomotion::new(options, start, StartsCell::default(), floors, Vec::new(), &head_of(&eyes()));
     walk.set_may_pitch(true);
     walk
 }
@@ -176,6 +177,7 @@ fn the_way_back_leads_the_head_to_the_start_from_anywhere() {
         start(),
         StartsCell::default(),
         FloorsCell::default(),
+        Vec::new(),
         &head,
     );
     assert!((begun.world_from_head(&head).position - UTM - DVec3::Z * 1.6).length() < 1e-6);
@@ -442,10 +444,32 @@ fn the_scan_is_gone_round_and_looked_down_upon() {
 }
 
 #[test]
+fn one_comes_down_to_the_ground_of_a_landscape_wherever_one_looks() {
+    let overview = start().overview;
+    let begun = |kind| Start { kind, standpoint: overview, ..start() };
+    let head = head_of(&eyes());
+    let comes_down = |kind| {
+        let mut walk = with(LocomotionOptions::sample(), begun(kind), room());
+        walk.begin_with(&head);
+        walk.apply(Action::ShowModel);
+        // The eyes look past the model.
+        walk.pitch = 1.2;
+        walk.apply(Action::LifeSize);
+        walk.standpoint()
+    };
+    let stands = comes_down(ScanKind::Landscape);
+    assert!(stands.scale == 1.0 && (stands.floor_in_world - UTM).length() < 0.1, "{stands:?}");
+    // Whoever stood somewhere comes back there.
+    let stands = comes_down(ScanKind::Outdoors);
+    assert!((stands.floor_in_world - overview.floor_in_world).length() < 1e-6, "{stands:?}");
+}
+
+#[test]
 fn a_landscape_that_is_there_before_the_head_is_known_is_looked_down_at() {
     let start = Start { kind: ScanKind::Landscape, ..start() };
     let (starts, floors) = (StartsCell::default(), FloorsCell::default());
-    let mut walk = Locomotion::new(LocomotionOptions::sample(), start, starts, floors, &Pose::IDENTITY);
+    let mut walk =
+        Locomotion::new(LocomotionOptions::sample(), start, starts, floors, Vec::new(), &Pose::IDENTITY);
     walk.set_may_pitch(true);
     let head = head_of(&eyes());
     walk.begin_with(&head);

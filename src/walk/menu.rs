@@ -8,7 +8,7 @@ use glam::DVec3;
 use xr::{HandInput, HandJoints, Panel, joint};
 
 /// Width, height of the menu, meters.
-pub const SIZE_M: [f64; 2] = [0.21, 0.42];
+pub const SIZE_M: [f64; 2] = [0.2625, 0.42];
 /// Width, height of the label, meters.
 const LABEL_M: [f64; 2] = [0.18, 0.06];
 /// Height of the label above the hands, meters.

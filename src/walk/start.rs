@@ -8,7 +8,7 @@ use super::tube;
 use crate::overview::{self, Lens};
 use base::space::{Bounds, Fov, Pose};
 use glam::DVec3;
-use points::Scene;
+use points::{PlacedStation, Scene, StationKind};
 use std::sync::{Arc, OnceLock};
 
 /// Least spread of a landscape in meters, which is twice the width of the middle half of its points along the longer
@@ -88,7 +88,7 @@ impl Beginning {
 
     /// A place with walls all around, or an open place, where one looks to where most of the scene is.
     fn standing(scene: &Scene, at: Standing, units_per_m: f64) -> Self {
-        let yaw = if at.enclosed { 0.0 } else { toward(scene, at.floor_in_world, units_per_m) };
+        let yaw = if at.enclosed { at.yaw } else { toward(scene, at.floor_in_world, units_per_m) };
         Self { standpoint: Standpoint { yaw, ..level(at.floor_in_world) }, walks: at.enclosed }
     }
 }
@@ -102,7 +102,7 @@ fn told(scene: &Scene, units_per_m: f64) -> (ScanKind, Option<Beginning>) {
     if spread(&near) / units_per_m > LANDSCAPE_M || is_from_the_air(&near, units_per_m) {
         return (ScanKind::Landscape, edge_of_part(scene, &near, units_per_m));
     }
-    match standing(&near, units_per_m, None) {
+    match standing(&near, units_per_m, None).map(|at| at_station(&near, at, units_per_m)) {
         Some(at) => {
             let kind = if at.in_room { ScanKind::Interior } else { ScanKind::Outdoors };
             (kind, Some(Beginning::standing(&near, at, units_per_m)))
@@ -114,7 +114,7 @@ fn told(scene: &Scene, units_per_m: f64) -> (ScanKind, Option<Beginning>) {
 /// Where one begins in a scene that is of this kind; `None` for the standpoint that sees all of it.
 fn of_kind(scene: &Scene, units_per_m: f64, kind: ScanKind) -> Option<Beginning> {
     let near = part(scene, NEAR_PART_M * units_per_m);
-    let at = |enclosed| standing(&near, units_per_m, enclosed);
+    let at = |enclosed| Some(at_station(&near, standing(&near, units_per_m, enclosed)?, units_per_m));
     let begin = |at| Beginning::standing(&near, at, units_per_m);
     Some(match kind {
         ScanKind::Interior => {
@@ -130,6 +130,33 @@ fn of_kind(scene: &Scene, units_per_m: f64, kind: ScanKind) -> Option<Beginning>
         ScanKind::Landscape => return edge_of_part(scene, &near, units_per_m),
         ScanKind::Object => before(scene, units_per_m),
     })
+}
+
+/// A place where one can stand, moved to the scanner's station that is nearest to the middle, if there is one.
+fn at_station(scene: &Scene, at: Standing, units_per_m: f64) -> Standing {
+    let middle = [0, 1].map(|axis| scene.quarters(axis).map_or(0.0, |[_, middle, _]| middle));
+    let away = |p: DVec3| (p.x - middle[0]).hypot(p.y - middle[1]);
+    scene
+        .stations
+        .iter()
+        .filter(|station| station.kind == StationKind::Scanner && scene.bounds.contains(station.p_in_world))
+        .min_by(|a, b| away(a.p_in_world).total_cmp(&away(b.p_in_world)))
+        .map_or(at, |nearest| at.at_station(scene, units_per_m, nearest.p_in_world))
+}
+
+/// Where one stands at each of the scan's stations, in its order: upright, with the eye where the scanner or the camera was.
+#[must_use]
+pub fn stations(scene: &Scene, unit_m: f64) -> Vec<Standpoint> {
+    let units_per_m = 1.0 / unit_m;
+    let standpoint = |station: &PlacedStation| {
+        let eye = station.p_in_world;
+        let yaw = match station.looks_in_world {
+            Some(looks) if looks.x != 0.0 || looks.y != 0.0 => (-looks.x).atan2(looks.y),
+            _ => toward(scene, eye, units_per_m),
+        };
+        Standpoint { yaw, ..level(eye - DVec3::Z * EYE_HEIGHT_M * units_per_m) }
+    };
+    scene.stations.iter().map(standpoint).collect()
 }
 
 /// A standpoint that looks north, where the scan is as large as life.
@@ -182,8 +209,11 @@ fn spread(scene: &Scene) -> f64 {
     2.0 * width(0).max(width(1))
 }
 
-/// True if the scene is wide and so thinly covered as only scanners in the air cover it.
+/// True if the scene is wide and so thinly covered as only scanners in the air cover it, which leave no stations.
 fn is_from_the_air(scene: &Scene, units_per_m: f64) -> bool {
+    if scene.stations.iter().any(|station| station.kind == StationKind::Scanner) {
+        return false;
+    }
     let (least_spread_m, most_per_m2) = FROM_THE_AIR;
     let size_m = scene.bounds.size() / units_per_m;
     let per_m2 = scene.num_points as f64 / (size_m.x * size_m.y);

@@ -62,7 +62,8 @@ const HEADSET: SimulatedOptions = SimulatedOptions {
 fn seen(scene: &Scene, start: Start) -> f64 {
     let eyes = SimulatedHeadset::eyes(&HEADSET);
     let (options, head) = (LocomotionOptions::sample(), head_of(&eyes));
-    let mut walk = Locomotion::new(options, start, StartsCell::default(), FloorsCell::default(), &head);
+    let mut walk =
+        Locomotion::new(options, start, StartsCell::default(), FloorsCell::default(), Vec::new(), &head);
     walk.set_may_pitch(true);
     let view = walk.stage().view(&walk.world_from_head(&head_of(&eyes)), &eyes, [[100, 100]; 2], 0.05);
     let is_seen = |p: DVec3| {
@@ -199,6 +200,53 @@ fn open_ground_is_stood_on_facing_what_there_is() {
     assert!(ahead.dot(to_middle.normalize()) > 0.99, "{floor_in_world} {yaw}");
 }
 
+/// A scanner at a place.
+fn scanner(p_in_world: DVec3) -> PlacedStation {
+    PlacedStation { name: "1".into(), kind: StationKind::Scanner, p_in_world, looks_in_world: None }
+}
+
+#[test]
+fn one_begins_where_a_scanner_stood() {
+    let room = floor(9.0, 4.0).into_iter().chain(walls(9.0, 4.0, 2.7));
+    let mut scene = scene(UTM, room);
+    let without = begin(&scene, 1.0).standpoint;
+    let stations = [DVec3::new(-3.8, 0.2, 1.5), DVec3::new(3.0, -1.0, 1.2), DVec3::new(70.0, 0.0, 1.5)];
+    scene.stations = stations.map(|p| scanner(UTM + p)).to_vec();
+    let Standpoint { floor_in_world, yaw, .. } = begin(&scene, 1.0).standpoint;
+    // The nearest to the middle, on the floor, and not with the face to the wall.
+    assert!((floor_in_world - UTM - DVec3::new(3.0, -1.0, 0.0)).length() < 1e-6, "{}", floor_in_world - UTM);
+    let ahead = glam::DVec2::new(-yaw.sin(), yaw.cos());
+    assert!(ahead.x < -0.9, "{ahead}");
+    assert_ne!(without.floor_in_world, floor_in_world);
+    // In the middle of a long room one looks along it.
+    assert!(without.yaw.sin().abs() > 0.9, "{without:?}");
+    // On an upper floor, the floor below is none.
+    let storey = floor(9.0, 4.0).into_iter().map(|p| p + DVec3::Z * 3.0);
+    let upper = walls(9.0, 4.0, 6.0).into_iter().chain(storey).chain(floor(9.0, 4.0));
+    let mut house = self::scene(UTM, upper);
+    house.stations = vec![scanner(UTM + DVec3::new(2.0, 0.0, 4.6))];
+    let start = start(&house, 1.0, Some(ScanKind::Interior));
+    assert!((start.standpoint.floor_in_world.z - UTM.z - 3.0).abs() < 0.01, "{:?}", start.standpoint);
+}
+
+#[test]
+fn stations_are_places_to_stand() {
+    let mut scene = scene(UTM, floor(9.0, 4.0));
+    let camera = PlacedStation {
+        kind: StationKind::Camera,
+        looks_in_world: Some(DVec3::new(-0.8, 0.0, -0.6)),
+        ..scanner(UTM + DVec3::new(1.0, 1.0, 5.0))
+    };
+    scene.stations = vec![scanner(UTM + DVec3::new(-3.0, 0.0, 1.7)), camera];
+    let places = stations(&scene, 1.0);
+    assert!((places[0].floor_in_world - UTM - DVec3::new(-3.0, 0.0, 0.0)).length() < 1e-6);
+    assert!((places[1].floor_in_world.z - UTM.z - 3.3).abs() < 1e-6);
+    assert!((places[1].yaw.to_degrees() - 90.0).abs() < 1e-6, "the camera looks west");
+    // In feet, all is as high above the floor.
+    let feet = stations(&scene, 0.3048);
+    assert!((feet[1].floor_in_world.z - UTM.z - (5.0 - 1.7 / 0.3048)).abs() < 1e-6);
+}
+
 #[test]
 fn a_landscape_is_a_model_on_a_table_and_is_come_down_to() {
     let hills = square(20_000)
@@ -209,10 +257,10 @@ fn a_landscape_is_a_model_on_a_table_and_is_come_down_to() {
     assert!(seen(&scene, start) > 0.97, "{}", seen(&scene, start));
     let head = head_of(&SimulatedHeadset::eyes(&HEADSET));
     let (starts, floors) = (StartsCell::default(), FloorsCell::default());
-    let mut walk = Locomotion::new(LocomotionOptions::sample(), start, starts, floors, &head);
+    let mut walk = Locomotion::new(LocomotionOptions::sample(), start, starts, floors, Vec::new(), &head);
     let width_m = scene.bounds.size().x / walk.stage().units_per_m();
     assert!((width_m - 2.0).abs() < 1e-9, "{width_m}");
-    // Without floors to point at one comes down to where the whole is seen from.
+    // Without floors to point at one comes down to where the whole is seen from; with floors see below.
     walk.apply(Action::LifeSize);
     assert_eq!(walk.stance().scale, 1.0);
     let eye = walk.world_from_head(&head).position;
@@ -239,7 +287,7 @@ fn the_user_may_take_a_scan_for_another_kind() {
         let (cell, floors) = (StartsCell::default(), FloorsCell::default());
         let head = head_of(&SimulatedHeadset::eyes(&HEADSET));
         let options = LocomotionOptions::sample();
-        let mut walk = Locomotion::new(options, told, Arc::clone(&cell), floors, &head);
+        let mut walk = Locomotion::new(options, told, Arc::clone(&cell), floors, Vec::new(), &head);
         let before = *walk.stage();
         walk.apply(Action::TakeFor(ScanKind::Landscape));
         assert_eq!(*walk.stage(), before, "nobody knows yet where to stand");

@@ -66,6 +66,15 @@ const LOW_SHARE: f64 = 0.25;
 /// Share of the points at either end of the height that may be strays.
 const STRAY_SHARE: f64 = 0.02;
 
+/// Heights of a scanner on its tripod above the floor, meters.
+const TRIPOD_M: [f64; 2] = [0.5, 2.5];
+/// Distance in meters within which the floor below a scanner is looked for: a scanner does not see its own feet.
+const BLIND_M: f64 = 1.5;
+/// Most distance that counts of a view, meters: whatever is further away is far.
+const VIEW_M: f64 = 20.0;
+/// One faces north where the view is this part as far as the farthest.
+const FAR_ENOUGH: f64 = 0.8;
+
 /// Where one can stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Standing {
@@ -75,6 +84,22 @@ pub(super) struct Standing {
     pub enclosed: bool,
     /// True if it is a room: it has a ceiling, or its walls are near.
     pub in_room: bool,
+    /// Direction of the farthest view between walls that are all around, radians; 0, which is north, if that is far
+    /// enough.
+    pub yaw: f64,
+}
+
+impl Standing {
+    /// The place at a scanner's station, in surroundings such as there are at this place. Whoever set up a scanner had
+    /// room there.
+    pub fn at_station(self, scene: &Scene, units_per_m: f64, p_in_world: DVec3) -> Self {
+        let Some(plan) = FloorPlan::new(scene, units_per_m, 1.0) else { return self };
+        let scanner = (p_in_world - plan.origin) / units_per_m;
+        let at = scanner.truncate();
+        let floor = plan.floor_below(scanner);
+        let yaw = if self.enclosed { plan.farthest_view(at, floor) } else { 0.0 };
+        Self { floor_in_world: plan.origin + at.extend(floor) * units_per_m, yaw, ..self }
+    }
 }
 
 /// The place nearest to the scene's middle where one can stand; `None` if the scene is an object. `enclosed` asks for a
@@ -99,7 +124,8 @@ fn standing_in(plan: &FloorPlan, units_per_m: f64, enclosed: Option<bool>) -> Op
     };
     let floor_in_world = plan.origin + at.extend(floor) * units_per_m;
     let in_room = reach.is_some_and(|reach| reach < ROOM_M || plan.has_ceiling(at, floor, reach));
-    Some(Standing { floor_in_world, enclosed: reach.is_some(), in_room })
+    let yaw = if reach.is_some() { plan.farthest_view(at, floor) } else { 0.0 };
+    Some(Standing { floor_in_world, enclosed: reach.is_some(), in_room, yaw })
 }
 
 /// A scene from above: its points by the cells of a floor plan of where most of it is. Lengths are in meters from the
@@ -219,6 +245,17 @@ impl FloorPlan {
 
     /// Distance of the walls that stand all around, further away than arm's length; `None` if there are none.
     fn walls(&self, at: DVec2, floor: f64) -> Option<f64> {
+        let mut nearest = self.walls_around(at, floor);
+        let walls = nearest.iter().filter(|&&distance| distance.is_finite() && distance > ARMS_LENGTH_M);
+        if (walls.count() as f64) < ENCLOSED * NUM_DIRECTIONS as f64 {
+            return None;
+        }
+        let reach = *nearest.select_nth_unstable_by(NUM_DIRECTIONS / 2, f64::total_cmp).1;
+        (self.level_share(at, floor, reach, FLOOR_LEVEL_M) >= FLOOR_LEVEL_SHARE).then_some(reach)
+    }
+
+    /// Distances of the nearest walls in all directions, counterclockwise from west; infinite where there is none.
+    fn walls_around(&self, at: DVec2, floor: f64) -> Vec<f64> {
         let mut distances = vec![Vec::new(); NUM_DIRECTIONS];
         for p in self.points.iter().filter(|p| (floor + WALL_M[0]..floor + WALL_M[1]).contains(&p.z)) {
             let to = p.truncate() - at;
@@ -226,13 +263,42 @@ impl FloorPlan {
             let direction = ((turn * NUM_DIRECTIONS as f64) as usize).min(NUM_DIRECTIONS - 1);
             distances[direction].push(to.length());
         }
-        let mut nearest = distances.into_iter().map(nearest_wall).collect::<Vec<f64>>();
-        let walls = nearest.iter().filter(|&&distance| distance.is_finite() && distance > ARMS_LENGTH_M);
-        if (walls.count() as f64) < ENCLOSED * NUM_DIRECTIONS as f64 {
-            return None;
+        distances.into_iter().map(nearest_wall).collect()
+    }
+
+    /// The yaw of somebody who looks where the view is farthest; 0, which is north, if that is far enough. A view is as
+    /// wide as some of the directions, so that nobody looks at a wall beside a door.
+    fn farthest_view(&self, at: DVec2, floor: f64) -> f64 {
+        let walls = self.walls_around(at, floor);
+        let view = |direction: usize| {
+            let of =
+                |turn: usize| walls[(direction + turn + NUM_DIRECTIONS - 1) % NUM_DIRECTIONS].min(VIEW_M);
+            [0, 1, 2].map(of).into_iter().fold(VIEW_M, f64::min)
+        };
+        let north = 3 * NUM_DIRECTIONS / 4;
+        let farthest = (0..NUM_DIRECTIONS).max_by(|&a, &b| view(a).total_cmp(&view(b))).unwrap_or(north);
+        if view(north).min(view(north - 1)) >= FAR_ENOUGH * view(farthest) {
+            return 0.0;
         }
-        let reach = *nearest.select_nth_unstable_by(NUM_DIRECTIONS / 2, f64::total_cmp).1;
-        (self.level_share(at, floor, reach, FLOOR_LEVEL_M) >= FLOOR_LEVEL_SHARE).then_some(reach)
+        // Directions count from west, and yaw from north.
+        let turns = (farthest as f64 + 0.5) / NUM_DIRECTIONS as f64 - 0.75;
+        (turns - turns.round()) * std::f64::consts::TAU
+    }
+
+    /// Height of the floor below a scanner.
+    fn floor_below(&self, scanner: DVec3) -> f64 {
+        let [least, most] = TRIPOD_M;
+        let mut below: Vec<f64> = self
+            .within(scanner.truncate(), BLIND_M)
+            .flat_map(|[x, y]| &self.heights[x + y * self.num_cells[0]])
+            .copied()
+            .filter(|height| (scanner.z - most..scanner.z - least).contains(height))
+            .collect();
+        let at = (FLOOR_SHARE * below.len() as f64) as usize;
+        if below.len() < MIN_CELL_POINTS {
+            return scanner.z - super::start::EYE_HEIGHT_M;
+        }
+        *below.select_nth_unstable_by(at, f64::total_cmp).1
     }
 
     /// Share of the floor within a distance that is as high as at a place.

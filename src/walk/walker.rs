@@ -82,11 +82,11 @@ impl Walker {
         let mut has_come = false;
         while let Some(loaded) = &self.loaded {
             match loaded.try_recv() {
-                Ok(Loaded { cloud, start, starts, floors }) => {
+                Ok(Loaded { cloud, start, starts, floors, stations }) => {
                     self.cloud = Some(cloud);
                     let head = &self.stage_from_head;
                     self.state.locomotion.get_or_insert_with(|| {
-                        Locomotion::new(walk.options.locomotion, start, starts, floors, head)
+                        Locomotion::new(walk.options.locomotion, start, starts, floors, stations, head)
                     });
                     has_come = true;
                 }
@@ -131,7 +131,14 @@ impl Walker {
                         walk.link.set_notice("There is no floor to stand on there".into());
                     }
                 }
-                action => self.state.apply(action),
+                action => {
+                    let keeps = action == Action::SavePlace;
+                    self.state.apply(action);
+                    if keeps {
+                        walk.link
+                            .set_notice("This place is kept: N and Page Up lead to those that are".into());
+                    }
+                }
             }
         }
         let now = Some(self.state.snapshot());

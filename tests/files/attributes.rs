@@ -6,7 +6,7 @@ use kit::las_files::{las_bytes, save};
 use las::point::{Classification, Format, ScanDirection};
 use las::raw::point::Waveform as LasWaveform;
 use las::{Builder, Color, Point, Reader, Vlr};
-use points::{Attribute, Block, Column, Field, Marks, Projection, Type, Waveform, open};
+use points::{Attribute, Block, Column, Field, Marks, OpenHints, Projection, Type, Waveform, open};
 use std::path::Path;
 
 pub const NUM_POINTS: usize = 70_001;
@@ -132,7 +132,7 @@ pub fn read(path: &Path, want: &Projection) -> (Block, usize) {
         }
         Ok(())
     };
-    open(path).unwrap().read(want, &mut take, &Progress::hidden()).unwrap();
+    open(path, &OpenHints::default()).unwrap().read(want, &mut take, &Progress::hidden()).unwrap();
     (whole.unwrap(), num_blocks)
 }
 
@@ -163,7 +163,7 @@ fn append(whole: &mut Block, block: Block) {
 
 /// Returns all attributes of a file.
 pub fn everything(path: &Path) -> (Vec<Field>, Projection) {
-    let schema = open(path).unwrap().header().schema.clone();
+    let schema = open(path, &OpenHints::default()).unwrap().header().schema.clone();
     let want = schema.projection();
     (schema.fields, want)
 }
@@ -313,7 +313,7 @@ fn a_changed_bit_is_a_difference() {
 #[test]
 fn scale_offset_and_no_data_are_those_of_the_file() {
     let (_folder, path) = save("scan.laz", &las(6, true, true));
-    let schema = &open(&path).unwrap().header().clone().schema;
+    let schema = &open(&path, &OpenHints::default()).unwrap().header().clone().schema;
     let amplitude = schema.field(&Attribute::Named("amplitude".into())).unwrap();
     assert_eq!((amplitude.scale, amplitude.offset, amplitude.no_data), (0.25, -40.0, Some(65535.0)));
     let angle = schema.field(&Attribute::ScanAngle).unwrap();

@@ -3,16 +3,20 @@
 mod attributes;
 mod bytes;
 mod colors;
+mod ept;
 mod many_files;
 mod octree;
 mod placing;
 mod ply;
+mod potree;
 mod scan_broken;
 mod scan_formats;
 mod scan_real;
 mod scene;
 mod starts;
+mod stations;
 mod synth;
+mod tables;
 mod tally;
 mod up;
 

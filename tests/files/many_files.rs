@@ -9,7 +9,9 @@ use kit::reading;
 use points::{ReadOptions, read};
 use std::path::PathBuf;
 
-const STRICT: ReadOptions = ReadOptions { strict: true, ..ReadOptions::AS_FILES_SAY };
+fn strict() -> ReadOptions {
+    ReadOptions { strict: true, ..ReadOptions::AS_FILES_SAY }
+}
 
 /// A folder with a file for each name.
 fn folder(files: &[(&str, &[u8])]) -> (tempfile::TempDir, Vec<PathBuf>) {
@@ -68,7 +70,7 @@ fn a_bad_tile_among_good_ones_is_named_and_the_rest_is_read() {
     let refused = |paths: &[PathBuf], options: &ReadOptions| {
         read(paths, options, &CancelToken::default()).map(|scan| scan.num_points()).unwrap_err().to_string()
     };
-    assert!(refused(&paths, &STRICT).contains("bad_1.las: "));
+    assert!(refused(&paths, &strict()).contains("bad_1.las: "));
     let bad = [paths[2].clone(), paths[0].clone()];
     assert!(refused(&bad, &ReadOptions::AS_FILES_SAY).contains("bad_2.ply: "), "nothing can be read");
     assert!(refused(&paths[..1], &ReadOptions::AS_FILES_SAY).contains("bad_1.las: "), "one alone");
@@ -93,7 +95,7 @@ fn what_is_not_whole_is_refused_when_told_to_be_strict() {
         ("row.ply", bad_row.as_bytes()),
     ]);
     let strictly = |paths: &[PathBuf]| {
-        let scan = read(paths, &STRICT, &CancelToken::default());
+        let scan = read(paths, &strict(), &CancelToken::default());
         scan.map(|scan| scan.num_points()).map_err(|error| error.to_string())
     };
     let [las, ply, parts @ ..] = &paths[..] else { panic!("{paths:?}") };

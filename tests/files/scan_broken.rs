@@ -26,9 +26,13 @@ fn other_files_are_named_for_what_they_are() {
         b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 1\n",
         "git lfs pull",
     );
-    assert_refused(NAME, b"ASTM-E57\x01\x00\x00\x00", "E57 file; this is not supported yet");
-    assert_refused(NAME, b"# .PCD v0.7\n", "PCD file; this is not supported yet");
-    assert_refused(NAME, b"1.0 2.0 3.0\n", "it is text");
+    assert_refused(
+        NAME,
+        b"ASTM-E57\x01\x00\x00\x00",
+        "ends at byte 12, within its header, which needs 48 bytes",
+    );
+    assert_refused(NAME, b"glTF\x02\0\0\0", "glTF model; this is not supported yet");
+    assert_refused(NAME, b"Not a scan\n", "it is text");
     assert_refused(NAME, &[0x8f, 1, 2, 3, 0, 0], "8f 01 02 03");
 }
 

@@ -8,7 +8,7 @@ use kit::real_scans::folder;
 use las::Point;
 use las::point::Format;
 use points::info::attributes_text;
-use points::{Attribute, Column, Field, ReadOptions, Type, open};
+use points::{Attribute, Column, Field, OpenHints, ReadOptions, Type, open};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -260,10 +260,13 @@ fn points_of_a_mesh_are_told_without_its_faces() {
             let (_folder, path) = save("mesh.ply", &made.bytes(encoding));
             let got = described(&path).unwrap();
             assert_eq!((&got["points"], &got["warnings"]), (&json!(5000), &json!([])), "{encoding:?}");
-            let want = open(&path).unwrap().header().schema.projection();
+            let want = open(&path, &OpenHints::default()).unwrap().header().schema.projection();
             for (want, has_triangles) in [(want.clone(), true), (want.without_triangles(), false)] {
                 let mut take = |_| Ok(());
-                let trailer = open(&path).unwrap().read(&want, &mut take, &Progress::hidden()).unwrap();
+                let trailer = open(&path, &OpenHints::default())
+                    .unwrap()
+                    .read(&want, &mut take, &Progress::hidden())
+                    .unwrap();
                 assert_eq!(!trailer.triangles.is_empty(), has_triangles, "{encoding:?}");
             }
         }
@@ -287,7 +290,12 @@ fn every_attribute_of_real_scans_is_told() {
         let (block, _) = read(&path, &want);
         let column = |attribute: &Attribute| block.column(attribute).cloned();
         assert_eq!(difference(&got, &fields, block.xyz.len(), column), None, "{}", path.display());
-        assert_eq!(got["not_read"], json!(open(&path).unwrap().header().schema.unread), "{}", path.display());
+        assert_eq!(
+            got["not_read"],
+            json!(open(&path, &OpenHints::default()).unwrap().header().schema.unread),
+            "{}",
+            path.display()
+        );
         (num_files, num_attributes) = (num_files + 1, num_attributes + fields.len());
     }
     assert!(num_files > 100 && num_attributes > 1500, "{num_files} files, {num_attributes} attributes");

@@ -275,7 +275,13 @@ fn walk(scan: &Scan) -> (Vec<FrameRow>, Vec<SeenFrame>) {
         let mut upload = CloudUpload::layered(&device, &hierarchy, 0, &silent).expect("room");
         upload.write_blocks(&hierarchy, &runs[0]).expect("the root");
         loaded_sender
-            .send(Loaded { cloud: upload.buffers(), start, starts: Arc::default(), floors: Arc::default() })
+            .send(Loaded {
+                cloud: upload.buffers(),
+                start,
+                starts: Arc::default(),
+                floors: Arc::default(),
+                stations: Vec::new(),
+            })
             .expect("the walk goes on");
         see(12);
         for run in &runs[1..] {

@@ -33,7 +33,7 @@ fn capabilities(atomics: Atomics) -> Capabilities {
 const TIERS: [Atomics; 3] = [Atomics::Int32, Atomics::Int64Minmax, Atomics::Int64];
 
 /// A shader in a variant.
-struct Text {
+struct ShaderText {
     shader: Shader,
     name: String,
     wgsl: String,
@@ -62,7 +62,7 @@ struct ParsedText {
 /// All texts of all tiers.
 static PARSED: LazyLock<Vec<ParsedText>> = LazyLock::new(|| {
     let hosts = structs::host_structs();
-    let see = &|atomics: Atomics, Text { shader, name, wgsl, others }: Text| {
+    let see = &|atomics: Atomics, ShaderText { shader, name, wgsl, others }: ShaderText| {
         let module = parse(&name, &wgsl);
         let mut validator = Validator::new(ValidationFlags::all(), capabilities(atomics));
         ParsedText {
@@ -87,7 +87,7 @@ static PARSED: LazyLock<Vec<ParsedText>> = LazyLock::new(|| {
 const EXCHANGED: [&str; 7] = ["lod", "cull", "depth", "depth32", "ids", "color", "color32"];
 
 /// Every text that a tier's renderers hand to the driver.
-fn texts(atomics: Atomics) -> Vec<Text> {
+fn texts(atomics: Atomics) -> Vec<ShaderText> {
     let keys = atomics >= Atomics::Int64Minmax;
     let unused = match atomics {
         Atomics::Int32 => &["color"][..],
@@ -100,7 +100,7 @@ fn texts(atomics: Atomics) -> Vec<Text> {
     let mut texts = Vec::new();
     let mut add = |shader: Shader, technique: String, variant: Variant, others| {
         let name = format!("{} {technique} {variant:?}", shader.name);
-        texts.push(Text { shader, name, wgsl: shader.source(variant), others });
+        texts.push(ShaderText { shader, name, wgsl: shader.source(variant), others });
     };
     for shader in [MIRROR.shader(), VERTEX_LIST.shader()] {
         add(shader, "none".into(), Variant::eyes(1), vec![]);

@@ -33,17 +33,25 @@ fn packet(right: RemoteHand) -> Packet {
         head: RemotePose { orientation: down, position: [0.0, 1.6, 0.0] },
         eyes: Some(eyes()),
         left: RemoteHand { pose: hand(-0.25), ..RemoteHand::default() },
-        right: RemoteHand { pose: hand(0.25), ..right },
+        // It points past the column that stands there.
+        right: RemoteHand { pose: hand(0.55), ..right },
     }
 }
 
-/// Pixels of the color of arcs that land, nearly: they let the ground through.
-fn num_of_arc(image: &Picture) -> usize {
-    let is_arc = |[r, g, b]: &&[u8; 3]| {
-        let [r, g, b] = [*r, *g, *b].map(i32::from);
-        b > 190 && b - r > 90 && (g - r) > 50 && b - g > 25
+/// Pixels that are bluer than in the picture before, as under arcs that land: they let the ground through.
+fn num_of_arc(image: &Picture, before: &Picture) -> usize {
+    let blue = |[r, _, b]: &[u8; 3]| i32::from(*b) - i32::from(*r);
+    image.pixels.iter().zip(&before.pixels).filter(|(now, then)| blue(now) - blue(then) > 40).count()
+}
+
+/// Distance in meters between where the head was when the scan came and where it is now.
+fn moved_m(log: &Path) -> Option<f64> {
+    let rows = LogRows::so_far(log)?;
+    let along = |column: &str| -> Vec<f64> {
+        rows.column(column).iter().filter_map(|cell| cell.parse().ok()).collect()
     };
-    image.pixels.iter().filter(is_arc).count()
+    let (x, y) = (along("head_x"), along("head_y"));
+    Some((x.last()? - x.first()?).hypot(y.last()? - y.first()?))
 }
 
 /// Pixels of the color of the menu and of labels, as dark as nothing else and as little colored over so much of the sight.
@@ -79,19 +87,20 @@ fn a_hand_aims_at_the_floor_and_the_user_is_there() {
     };
     // The scan is there when the eye is filled.
     let is_bright = |[r, g, b]: &&[u8; 3]| *r > 90 || *g > 90 || *b > 90;
-    let at_rest = seen("scan", &|eye| eye.pixels.iter().filter(is_bright).count() >= EYE_PX * 300);
+    seen("scan", &|eye| eye.pixels.iter().filter(is_bright).count() >= EYE_PX * 300);
     wait_for("the whole scan", || (num_whole(&log) >= 3).then_some(()));
     // The labels of both controllers come, and go.
     let most_dark = std::cell::Cell::new(0);
-    seen("labels", &|eye| {
+    let at_rest = seen("labels", &|eye| {
         most_dark.set(most_dark.get().max(num_dark(eye)));
         num_dark(eye) + 15_000 < most_dark.get()
     });
-    let at_rest = num_of_arc(&at_rest);
     remote.send(&packet(RemoteHand { stick: [0.0, 1.0], ..RemoteHand::default() }));
-    seen("arc", &|eye| num_of_arc(eye) >= at_rest + 300);
+    assert!(num_of_arc(&at_rest, &at_rest) == 0);
+    seen("arc", &|eye| num_of_arc(eye, &at_rest) >= 300);
     remote.send(&packet(RemoteHand::default()));
-    seen("arrival", &|eye| num_of_arc(eye) <= at_rest + 100);
+    wait_for("the arrival", || moved_m(&log).filter(|far| *far > 1.0));
+    run.screen().columns(0, EYE_PX).keep("hands-arrival");
     run.ask_to_end();
     let done = run.finish();
     done.assert_ok();

@@ -1,8 +1,8 @@
 //! Blocks: points that follow each other in a file, as formats hand them over, and what comes at the file's end.
 
-use crate::column::{Column, Type};
+use crate::column::{self, Column, Type};
 use crate::stats::Stats;
-use crate::{Attribute, Grid};
+use crate::{Attribute, Grid, Marks};
 use std::collections::TryReserveError;
 
 /// Points that follow each other in a file.
@@ -30,6 +30,25 @@ impl Block {
     pub(crate) fn reserve(&mut self, more: usize) -> Result<(), TryReserveError> {
         self.xyz.try_reserve(more)?;
         self.columns.iter_mut().try_for_each(|(_, column)| column.reserve(more))
+    }
+
+    /// Appends a block of the same grid, with the same columns.
+    pub(crate) fn append(&mut self, later: Self) -> Result<(), TryReserveError> {
+        let (len, mut xyz) = (self.xyz.len(), later.xyz);
+        self.reserve(xyz.len())?;
+        self.xyz.append(&mut xyz);
+        for ((_, column), (_, later)) in self.columns.iter_mut().zip(later.columns) {
+            column.append(later, len);
+        }
+        self.stats = self.stats.union(later.stats);
+        Ok(())
+    }
+
+    /// Leaves out the marked points. Extremes have to be found again.
+    pub(crate) fn leave_out(&mut self, gone: &Marks) {
+        let is_kept: Vec<bool> = (0..self.xyz.len()).map(|number| !gone.get(number)).collect();
+        column::leave_out(&mut self.xyz, gone);
+        self.columns.iter_mut().for_each(|(_, column)| column.keep(&is_kept));
     }
 
     /// Keeps the first points. Their extremes have to be found again.

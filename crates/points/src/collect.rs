@@ -1,7 +1,7 @@
 //! Collects a file's blocks into columns in memory: the attributes that the walk wants, without deleted points.
 
 use crate::block::Block;
-use crate::column::{Column, Type};
+use crate::column::{Column, Type, leave_out};
 use crate::stats::Stats;
 use crate::{Attribute, Grid, Marks, Points, Projection};
 use std::collections::TryReserveError;
@@ -113,20 +113,11 @@ impl Points {
             noise.set(next);
         }
         self.noise = noise;
-        keep(&mut self.xyz, gone);
-        keep(&mut self.rgb, gone);
-        keep(&mut self.intensity, gone);
-        keep(&mut self.normals, gone);
+        leave_out(&mut self.xyz, gone);
+        leave_out(&mut self.rgb, gone);
+        leave_out(&mut self.intensity, gone);
+        leave_out(&mut self.normals, gone);
     }
-}
-
-/// Leaves out the values of the points that are gone. An empty column stays empty.
-fn keep<T>(column: &mut Vec<T>, gone: &Marks) {
-    let mut number = 0;
-    column.retain(|_| {
-        number += 1;
-        !gone.get(number - 1)
-    });
 }
 
 #[cfg(test)]

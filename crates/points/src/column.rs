@@ -218,12 +218,41 @@ macro_rules! columns {
                 }
             }
 
+            /// Keeps the values of the points for which `is_kept` is true, of a column of as many points.
+            pub(crate) fn keep(&mut self, is_kept: &[bool]) {
+                let mut kept = is_kept.iter().copied();
+                match self {
+                    Self::Bool(marks) => {
+                        let left = (0..is_kept.len()).filter(|&number| is_kept[number]);
+                        let mut moved = Marks::default();
+                        left.enumerate().filter(|(_, number)| marks.get(*number)).for_each(|(next, _)| moved.set(next));
+                        *marks = moved;
+                    }
+                    $(Self::$name(values) => values.retain(|_| kept.next().unwrap_or(false)),)*
+                }
+            }
+
             /// Appends later values of the same attribute to the `len` values that are here already. Values of another type
             /// are not taken in: the column is too short then, which is an error where its block is handed over.
             pub(crate) fn append(&mut self, later: Self, len: usize) {
                 match (self, later) {
                     (Self::Bool(marks), Self::Bool(later)) => marks.append(&later, len),
                     $((Self::$name(values), Self::$name(mut later)) => values.append(&mut later),)*
+                    _ => {}
+                }
+            }
+
+            /// Appends the values of these points of a column of the same type.
+            pub(crate) fn take_from(&mut self, other: &Self, numbers: impl Iterator<Item = usize>) {
+                match (self, other) {
+                    (Self::Bool(marks), Self::Bool(other)) => {
+                        for (at, _) in numbers.enumerate().filter(|(_, number)| other.get(*number)) {
+                            marks.set(at);
+                        }
+                    }
+                    $((Self::$name(values), Self::$name(other)) => {
+                        values.extend(numbers.filter_map(|number| other.get(number)));
+                    })*
                     _ => {}
                 }
             }
@@ -286,6 +315,15 @@ impl ColumnPart<'_> {
             _ => Marks::default(),
         }
     }
+}
+
+/// Leaves out the values whose numbers are marked.
+pub(crate) fn leave_out<T>(values: &mut Vec<T>, gone: &Marks) {
+    let mut number = 0;
+    values.retain(|_| {
+        number += 1;
+        !gone.get(number - 1)
+    });
 }
 
 /// Returns `vec![zero; len]`, or `None` if there is no memory for it, which `vec!` cannot say. Zeroed pages come from

@@ -139,6 +139,14 @@ pub enum ScanError {
         /// Why, and what to do.
         reason: String,
     },
+    /// An archive cannot be unpacked.
+    #[error("{path}: cannot be unpacked: {problem}", path = path.display())]
+    Archive {
+        /// The archive.
+        path: PathBuf,
+        /// Why, and what to do.
+        problem: String,
+    },
     /// A part of the file could not be read, and the user asks for all of it.
     #[error(
         "{path}: {loss}; --strict (cloud.strict) refuses files that cannot be read to their end: get it again, or show \

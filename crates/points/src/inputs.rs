@@ -1,7 +1,7 @@
 //! Chooses which of the named files are read: each once, and no sidecars.
 
 use super::ScanError;
-use super::formats::sidecar_endings;
+use super::formats::{main_file, sidecar_endings};
 use std::collections::HashMap;
 use std::ffi::OsStr;
 use std::hash::Hash;
@@ -76,7 +76,9 @@ fn take_once(paths: &mut Vec<PathBuf>) -> Vec<PathBuf> {
         links: Vec<PathBuf>,
     }
     let mut seen = HashMap::<_, FileNames>::new();
-    let identities: Vec<_> = paths.iter().map(|path| identity(path)).collect();
+    // A folder and the files in it may name the same scan.
+    let identities: Vec<_> =
+        paths.iter().map(|path| identity(main_file(path).as_deref().unwrap_or(path))).collect();
     for (path, identity) in paths.iter().zip(&identities) {
         if let Some(identity) = identity {
             seen.entry(identity).or_default().itself |= !path.is_symlink();

@@ -10,6 +10,7 @@ mod collect;
 mod color;
 mod coloring;
 mod column;
+mod column_names;
 mod crs;
 mod distribution;
 mod earth;
@@ -33,6 +34,7 @@ mod stats;
 mod tally;
 mod uncolored;
 mod unit;
+mod unpacked;
 mod up;
 mod white;
 mod world;
@@ -41,16 +43,17 @@ pub use block::{Block, Trailer};
 pub use builder::ScanBuilder;
 pub use coloring::{ColorSource, Coloring};
 pub use column::{Column, Type};
+pub use column_names::ColumnNames;
 pub use crs::{Angle, Axes};
 pub use earth::{Geodetic, LocalFrame};
 pub use error::ScanError;
-pub use formats::{Dataset, Take, format_endings, format_names, open};
+pub use formats::{Dataset, OpenHints, Take, format_endings, format_names, is_named_as_scan, open};
 pub use grid::Grid;
 pub use marks::Marks;
 pub use read::{peek, read};
 pub use scene::Scene;
 pub use schema::{Attribute, Field, Projection, Schema, Waveform};
-pub use station::{Station, StationKind};
+pub use station::{PlacedStation, Station, StationKind};
 pub use stats::Stats;
 pub use uncolored::Blank;
 pub use unit::Unit;
@@ -97,6 +100,8 @@ pub struct ScanFile {
     pub in_file: InFile,
     /// Conversion from the file's coordinates to the world's.
     pub world_from_file: WorldFromFile,
+    /// Where it was measured and photographed from.
+    pub stations: Vec<Station>,
     /// Triangles of a mesh: three point numbers in this file, each less than the number of its points,
     /// counter-clockwise where the surface is seen from. Empty for a file that is no mesh.
     pub triangles: Vec<[u32; 3]>,
@@ -126,6 +131,8 @@ pub struct ReadOptions {
     pub strict: bool,
     /// True if points that are withheld, which means deleted, are read too.
     pub show_withheld: bool,
+    /// What the columns of text files are.
+    pub columns: ColumnNames,
 }
 
 impl ReadOptions {
@@ -137,7 +144,14 @@ impl ReadOptions {
         project: Project::Auto,
         strict: false,
         show_withheld: false,
+        columns: ColumnNames::AS_FILES_SAY,
     };
+
+    /// What is needed to open a file.
+    #[must_use]
+    pub fn hints(&self) -> OpenHints {
+        OpenHints { columns: self.columns.clone() }
+    }
 }
 
 /// Several files as one cloud.

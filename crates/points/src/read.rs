@@ -3,12 +3,13 @@
 use super::block::Trailer;
 use super::collect::{self, CannotCollect, Collected};
 use super::color::{self, ColorChoice};
+use super::formats::{Archives, scans_in};
 use super::inputs::{self, Inputs};
 use super::{
     FARTHEST, Header, InFile, ReadOptions, Scan, ScanError, ScanFile, WorldFromFile, open, uncolored, world,
 };
 use base::space::Bounds;
-use base::task::{Progress, Task};
+use base::task::{CancelToken, Progress, Task};
 use base::words::{agreeing, counted};
 use std::path::{Path, PathBuf};
 
@@ -30,8 +31,15 @@ pub fn read(paths: &[PathBuf], options: &ReadOptions, task: impl Into<Task>) -> 
 ///
 /// # Errors
 /// The first file that cannot be opened or has no readable header.
-pub fn peek(paths: &[PathBuf]) -> Result<Vec<Header>, ScanError> {
-    inputs::choose(paths)?.paths.iter().map(|path| Ok(open(path)?.header().clone())).collect()
+pub fn peek(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Header>, ScanError> {
+    let (mut archives, task) = (Archives::default(), Task::new(&CancelToken::default()));
+    let mut headers = Vec::new();
+    for path in inputs::choose(paths)?.paths {
+        for scan in scans_in(&path, &mut archives, &task)? {
+            headers.push(open(&scan, &options.hints())?.header().clone());
+        }
+    }
+    Ok(headers)
 }
 
 /// Reads the scan, and what each file in it says of itself.
@@ -72,15 +80,26 @@ pub(super) fn each<T>(
     task: impl Into<Task>,
     read: impl Fn(&Path, &Progress) -> Result<T, ScanError>,
 ) -> Result<FilesRead<T>, ScanError> {
-    let Inputs { paths, remarks } = inputs::choose(named)?;
+    let Inputs { paths, mut remarks } = inputs::choose(named)?;
     let mut failures = Failures { strict: options.strict, errors: Vec::new() };
-    let mut announced = Vec::new();
+    let task = task.into();
+    let (mut archives, mut scans) = (Archives::default(), Vec::new());
     for path in &paths {
-        let header = open(path).map(|dataset| dataset.header().num_points);
+        scans.extend(failures.sort(scans_in(path, &mut archives, &task))?.unwrap_or_default());
+    }
+    for (path, reason) in std::mem::take(&mut archives.left_out) {
+        if options.strict {
+            return Err(ScanError::Incomplete { path, loss: reason });
+        }
+        remarks.push(format!("{}: {reason}; it was left out", path.display()));
+    }
+    let mut announced = Vec::new();
+    for path in &scans {
+        let header = open(path, &options.hints()).map(|dataset| dataset.header().num_points);
         announced.extend(failures.sort(header)?.map(|num_points| (path, num_points)));
     }
     let expected = announced.iter().fold(0u64, |sum, (_, num_points)| sum.saturating_add(*num_points));
-    let progress = task.into().begin("reading", "points", expected);
+    let progress = task.begin("reading", "points", expected);
     let mut files = Vec::new();
     for (path, _) in announced {
         // The file is opened again, because the system allows fewer open files than a scan may have.
@@ -132,7 +151,7 @@ struct ReadFile {
 
 /// Reads all that the walk wants of a file.
 fn file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<ReadFile, ScanError> {
-    let dataset = open(path)?;
+    let dataset = open(path, &options.hints())?;
     let mut collected = Collected::new();
     let mut take = |block| {
         let (path, num_points) = (path.to_owned(), collected.points.xyz.len() as u64);
@@ -202,6 +221,7 @@ fn add(scan: &mut Scan, file: ReadFile, show_withheld: bool) {
         bounds,
         in_file: InFile { grid, bounds },
         world_from_file: WorldFromFile::default(),
+        stations: header.stations,
     });
 }
 

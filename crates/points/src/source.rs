@@ -4,9 +4,11 @@
 //! kills the process with SIGBUS, whereas a positioned read just comes back short.
 
 use super::ScanError;
+use super::unpacked::{self, UnpackedMember};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// What a path names that is a link to nothing.
 const DANGLING: &str = "a link to a file that is not there";
@@ -15,16 +17,23 @@ const DANGLING: &str = "a link to a file that is not there";
 #[derive(Debug)]
 pub(crate) struct Source {
     path: PathBuf,
-    file: File,
+    file: Arc<File>,
+    /// First byte, where it is a part of the system's file.
+    start: u64,
     len: u64,
+    /// What is lost of a member of an archive.
+    loss: Option<String>,
 }
 
 impl Source {
-    /// Opens a regular file. Looks at the kind of file first, because opening a pipe would wait for a writer.
+    /// Opens a regular file, or a member of an archive that is unpacked now. Looks at the kind of file first, because opening a pipe would wait for a writer.
     ///
     /// # Errors
     /// The file is not found, may not be read, or is a folder, a pipe, a device or a link to nothing.
     pub fn open(path: &Path) -> Result<Self, ScanError> {
+        if let Some(UnpackedMember { file, start, len, loss, .. }) = unpacked::find(path) {
+            return Ok(Self { path: path.to_owned(), file, start, len, loss });
+        }
         let fail = |source| ScanError::io(path, None, source);
         let metadata = match std::fs::metadata(path) {
             // A pattern such as *.laz finds the link all the same.
@@ -42,7 +51,13 @@ impl Source {
             return Err(ScanError::NotAFile { path: path.to_owned(), kind: "a pipe or device", advice });
         }
         let file = File::open(path).map_err(fail)?;
-        Ok(Self { path: path.to_owned(), file, len: metadata.len() })
+        let (file, len) = (Arc::new(file), metadata.len());
+        Ok(Self { path: path.to_owned(), file, start: 0, len, loss: None })
+    }
+
+    /// What could not be unpacked of a member of an archive, as a sentence whose subject is the member.
+    pub fn loss(&self) -> Option<&str> {
+        self.loss.as_deref()
     }
 
     /// Path of the file.
@@ -60,6 +75,10 @@ impl Source {
     /// # Errors
     /// The system cannot read the file; nothing is read then.
     pub fn read_at(&self, mut buffer: &mut [u8], mut offset: u64) -> io::Result<usize> {
+        // Behind a member of an archive there may be another.
+        let within = self.len.saturating_sub(offset).min(buffer.len() as u64) as usize;
+        buffer = &mut buffer[..within];
+        offset = offset.saturating_add(self.start);
         let mut num_read = 0;
         while !buffer.is_empty() {
             match positioned_read(&self.file, buffer, offset) {

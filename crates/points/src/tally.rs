@@ -62,7 +62,7 @@ pub(super) fn of_files(paths: &[PathBuf], options: &ReadOptions, task: &Task) ->
 }
 
 fn of_file(path: &Path, options: &ReadOptions, progress: &Progress) -> Result<Tallied, ScanError> {
-    let dataset = open(path)?;
+    let dataset = open(path, &options.hints())?;
     let header = dataset.header();
     let want = header.schema.projection().in_blocks_of(BLOCK_POINTS).without_triangles();
     // The first of several fields of one attribute counts.

@@ -1,6 +1,7 @@
 //! Units of length as a user names them.
 
 use super::crs::{FOOT_M, US_SURVEY_FOOT_M};
+use base::choice::AUTO;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
@@ -8,8 +9,6 @@ use std::fmt;
 /// Names of units, each with the meters of one.
 const NAMED: [(&str, f64); 5] =
     [("m", 1.0), ("mm", 0.001), ("cm", 0.01), ("ft", FOOT_M), ("us-ft", US_SURVEY_FOOT_M)];
-/// Name that stands for no unit of the user's.
-const AUTO: &str = "auto";
 
 /// The unit of a file's coordinates: as the file states it, or as the user does.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

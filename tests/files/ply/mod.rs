@@ -141,7 +141,7 @@ fn the_header_says_what_is_in_the_file() {
         let path = folder.path().join("scan.ply");
         let made = MadePly::new(100);
         std::fs::write(&path, made.bytes(encoding)).unwrap();
-        let header = &peek(&[path]).unwrap()[0];
+        let header = &peek(&[path], &ReadOptions::AS_FILES_SAY).unwrap()[0];
         assert_eq!(header.format, format!("PLY, {format}"));
         assert_eq!(header.num_points, 100);
         let faces = format!("faces: {}", made.faces.len());

@@ -1,7 +1,7 @@
 //! Real PLY files, where `SCANWALK_TEST_DATA` names a folder of scans: counts and boxes as other readers found them.
 
 use kit::real_scans::{folder, read_in};
-use points::{ColorSource, Scan, peek};
+use points::{ColorSource, ReadOptions, Scan, peek};
 
 /// Path, points, triangles, smallest and largest corner rounded to thousandths.
 type PlyRow = (&'static str, usize, usize, [f64; 3], [f64; 3]);
@@ -53,7 +53,7 @@ fn colors_normals_and_programs_are_recognized() {
     let extra = read_in(&folder, "ply/text_extradim.ply").unwrap().files.remove(0);
     assert_eq!(extra.points.rgb, [[63, 200, 64]]);
     assert!((extra.points.normals[0][2] - 0.999_677).abs() < 1e-5, "{:?}", extra.points.normals);
-    let header = |name: &str| peek(&[folder.join(name)]).unwrap().remove(0);
+    let header = |name: &str| peek(&[folder.join(name)], &ReadOptions::AS_FILES_SAY).unwrap().remove(0);
     let source = header("ply/source.ply");
     assert_eq!(source.software.as_deref(), Some("CloudCompare v2.11.1 (Anoia)"));
     assert_eq!((source.created.as_deref(), source.num_points), (Some("2024-03-21"), 69792));

@@ -4,7 +4,7 @@
 use super::made::{MadeEncoding, MadePly};
 use super::{NAME, difference, read_one, text};
 use crate::bytes::read_bytes;
-use points::{ColorSource, ScanFile, peek};
+use points::{ColorSource, ReadOptions, ScanFile, peek};
 
 /// Header and body of a text file.
 fn parts(bytes: &[u8]) -> (&str, &str) {
@@ -293,7 +293,7 @@ fn the_attributes_of_a_splat_are_not_listed_one_by_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scan.ply");
     std::fs::write(&path, splats(&[([0.0; 3], [0.0; 3], 0.0)])).unwrap();
-    assert_eq!(peek(&[path]).unwrap()[0].attributes(), ["rgb", "opacity"]);
+    assert_eq!(peek(&[path], &ReadOptions::AS_FILES_SAY).unwrap()[0].attributes(), ["rgb", "opacity"]);
 }
 
 /// A position, and red, green, blue and opacity, 0 to 1.

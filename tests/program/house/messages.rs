@@ -50,7 +50,7 @@ const NEVER_ONE: [&str; 16] = [
 
 /// Counts in messages whose noun is plural even if there is one.
 fn always_plural(file: &File) -> Vec<String> {
-    if file.path.ends_with("tests.rs") || file.path.starts_with("crates/lab/src/bench/") {
+    if file.is_of_tests() || file.path.starts_with("crates/lab/src/bench/") {
         return Vec::new();
     }
     let program = without_tests(file);

@@ -19,6 +19,13 @@ pub(crate) struct File {
     pub text: String,
 }
 
+impl File {
+    /// True for a module of tests that is a file, or in a folder, of its own.
+    fn is_of_tests(&self) -> bool {
+        self.path.ends_with("tests.rs") || self.path.contains("/tests/")
+    }
+}
+
 /// Files with one of these endings below `folder`.
 fn files(folder: &str, endings: &[&str]) -> Vec<File> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

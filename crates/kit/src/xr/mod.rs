@@ -291,7 +291,9 @@ impl Running {
 
     /// The picture that the compositor shows now ([`Compositor::Xcb`]).
     pub fn screen(&self) -> Picture {
-        crate::xwd::read(&self.folder().join("fb/Xvfb_screen0")).expect("the virtual screen")
+        // The screen may be there before its picture is.
+        retry(self.seconds_left(), || crate::xwd::read(&self.folder().join("fb/Xvfb_screen0")))
+            .expect("the virtual screen")
     }
 
     /// Waits for a further line of the program's output for which `found` has a value.

@@ -2,10 +2,12 @@
 //! EPSG's register says by the system's number what a file leaves out.
 
 mod geotiff;
+mod proj;
 mod units;
 mod wkt;
 
 pub(crate) use geotiff::from_geotiff;
+pub(crate) use proj::from_text;
 pub(crate) use wkt::from_wkt;
 
 /// Meters of a US survey foot.
@@ -149,6 +151,13 @@ fn length(meters: f64) -> Option<f64> {
     let close = |unit: &f64| (meters / unit - 1.0).abs() < 1e-7;
     let unit_m = [FOOT_M, US_SURVEY_FOOT_M].into_iter().find(close).unwrap_or(meters);
     Some(unit_m).filter(|unit| unit.is_finite() && *unit > 0.0)
+}
+
+/// The systems that have these numbers in the EPSG's register: of places, and of heights.
+pub(crate) fn from_epsg(code: Option<u32>, vertical_code: Option<u32>) -> Crs {
+    let system = code.and_then(registered).unwrap_or_default();
+    let vertical = vertical_code.and_then(registered).unwrap_or_default();
+    Crs { vertical_unit_m: vertical.vertical_unit_m.or(system.vertical_unit_m), ..system }
 }
 
 /// What the EPSG's register has under a number.

@@ -18,20 +18,16 @@ const SPLAT_NAMES: &str = "SPLATS";
 
 /// First bytes of a file, what it is, and what to do.
 const SIGNATURES: &[(&[u8], &str, &str)] = &[
-    (b"PK\x03\x04", "it is a ZIP archive", UNPACK),
-    (b"PK\x05\x06", "it is an empty ZIP archive", OTHER),
-    (b"\x1f\x8b", "it is a gzip archive", UNPACK),
     (b"\x1f\x9d", "it is a compressed file (.Z)", UNPACK),
+    // In an archive of the kinds that are opened, there is one more.
+    (b"PK\x03\x04", "it is a ZIP archive", UNPACK),
+    (b"\x1f\x8b", "it is a gzip archive", UNPACK),
     (b"\x28\xb5\x2f\xfd", "it is a Zstandard archive", UNPACK),
     (b"\x04\x22\x4d\x18", "it is an LZ4 archive", UNPACK),
     (b"7z\xbc\xaf\x27\x1c", "it is a 7-Zip archive", UNPACK),
     (b"\xfd7zXZ\0", "it is an xz archive", UNPACK),
     (b"BZh", "it is a bzip2 archive", UNPACK),
     (b"Rar!\x1a\x07", "it is a RAR archive", UNPACK),
-    (b"ASTM-E57", "it is an E57 file", CONVERT),
-    (b"# .PCD", "it is a PCD file", CONVERT),
-    (b"VERSION .7", "it is a PCD file", CONVERT),
-    (b"VERSION 0.7", "it is a PCD file", CONVERT),
     (b"glTF", "it is a glTF model", CONVERT),
     (b"Kaydara FBX Binary", "it is an FBX model", CONVERT),
     (b"solid ", "it is an STL model", CONVERT),
@@ -69,18 +65,29 @@ const ENDINGS: &[(&str, &[u8], &str, &str)] = &[
 /// The byte at which a tar archive says that it is one, and the bytes there.
 const TAR: (usize, &[u8]) = (257, b"ustar");
 
+/// True for a file whose ending says what it is, although it begins as an archive does, or as anything.
+pub(super) fn is_told_by_ending(candidate: &Candidate) -> bool {
+    by_ending(candidate).is_some()
+}
+
+/// What a file is by its ending, and what to do.
+fn by_ending(candidate: &Candidate) -> Option<(&'static str, &'static str)> {
+    let Candidate { path, head, .. } = *candidate;
+    let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+    let is_it = |(known, start, ..): &&(&str, &[u8], &str, &str)| {
+        ending == *known && !head.is_empty() && head.starts_with(start)
+    };
+    ENDINGS.iter().find(is_it).map(|(_, _, what, advice)| (*what, *advice))
+}
+
 /// The error for a file or a folder that has no reader.
 pub(crate) fn not_a_scan(candidate: &Candidate) -> ScanError {
     let Candidate { path, is_folder, head } = *candidate;
     if is_folder {
         return ScanError::folder(path);
     }
-    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-    let by_ending = ENDINGS.iter().find(|(known, start, ..)| {
-        ending.as_deref() == Some(*known) && !head.is_empty() && head.starts_with(start)
-    });
-    let (looks_like, advice) = match by_ending {
-        Some((_, _, what, advice)) => ((*what).to_owned(), *advice),
+    let (looks_like, advice) = match by_ending(candidate) {
+        Some((what, advice)) => (what.to_owned(), advice),
         None => describe(head),
     };
     let advice = advice.replace(NAMES, &format_names("or")).replace(SPLAT_NAMES, &splat_format_names());
@@ -116,7 +123,7 @@ fn describe(head: &[u8]) -> (String, &'static str) {
         return ("it is XML or a web page".into(), "check where it was downloaded from");
     }
     if head.starts_with(b"{") {
-        return ("it is JSON (perhaps of an EPT or Potree folder)".into(), CONVERT);
+        return ("it is JSON".into(), CONVERT);
     }
     if is_text(head) {
         return describe_text(&String::from_utf8_lossy(head));
@@ -149,19 +156,19 @@ fn describe_text(text: &str) -> (String, &'static str) {
     if rows.iter().any(is_corner) {
         return ("it is an OBJ model".into(), CONVERT);
     }
+    if first.to_ascii_lowercase().starts_with("ncols") {
+        return ("it is a grid of heights (ESRI ASCII)".into(), CONVERT);
+    }
     if rows.iter().any(is_row) {
-        let what = "it is text with rows of numbers (XYZ, PTS, PTX, CSV)";
-        return (
-            what.into(),
-            "open it in CloudCompare or PDAL, which ask what the columns are, and save it as FORMATS",
-        );
+        let what = "it is text with rows of numbers, among much else";
+        return (what.into(), "save it with one point a line, x, y and z first, and nothing before them");
     }
     ("it is text, but no rows of numbers".into(), "check that this is the file you mean; name a FORMATS file")
 }
 
 /// True if all characters are printable or white space. A multi-byte character cut off at the end does not count
 /// against it.
-fn is_text(head: &[u8]) -> bool {
+pub(super) fn is_text(head: &[u8]) -> bool {
     let text = match std::str::from_utf8(head) {
         Ok(text) => text,
         Err(error) if error.error_len().is_none() => {
@@ -180,11 +187,10 @@ mod tests {
     #[test]
     fn says_what_it_sees_and_what_to_do() {
         let tar = [&[b'a'; 257][..], b"ustar\x0000"].concat();
-        let cases: [(&[u8], &str, &str); 24] = [
+        let cases: [(&[u8], &str, &str); 23] = [
             (b"", "empty", "again"),
             (&[0; 512], "zeros", "get it again"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:", "Git LFS", "git lfs pull"),
-            (b"ASTM-E57\x01\0\0\0", "E57", "convert it to LAS"),
             (b"CCB2\x01\0\0\0", "CloudCompare", "convert it to LAS"),
             (b"  0\r\nSECTION\r\n", "DXF", "convert it to LAS"),
             (b"# vtk DataFile Version 3.0\n", "VTK", "convert it to LAS"),
@@ -197,8 +203,8 @@ mod tests {
             (b"BZh91AY", "bzip2", "unpack it"),
             (b"Rar!\x1a\x07\x01", "RAR", "unpack it"),
             (&tar, "tar", "unpack it"),
-            ("1.0 2.0 3.0 \u{e9}\n".as_bytes(), "rows of numbers", "CloudCompare"),
-            (b"\xef\xbb\xbfX;Y;Z\n1,0;2;3\n4;5;6\n", "rows of numbers", "what the columns are"),
+            ("Notes\nof\n1.0 2.0 3.0 \u{e9}\n".as_bytes(), "rows of numbers", "one point a line"),
+            (b"NCOLS 5\nNROWS 4\n1 2 3 4 5\n", "grid of heights", "convert it to LAS"),
             (b"\xff\xfe1\0 \0", "UTF-16", "UTF-8"),
             (b"# made by hand\nmtllib a.mtl\nv 1 2 3\n", "OBJ", "convert"),
             (b"Meeting on 1 2 3\nNothing decided\n", "no rows of numbers", "the file you mean"),

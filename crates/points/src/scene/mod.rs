@@ -15,7 +15,7 @@ mod sites;
 
 pub(crate) use cluster::find;
 
-use super::{Scan, ScanFile, color};
+use super::{PlacedStation, Scan, ScanFile, color};
 use base::space::Bounds;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -41,6 +41,8 @@ pub struct Scene {
     pub samples: Vec<DVec3>,
     /// Points of the scene, as far as the samples tell.
     pub num_points: u64,
+    /// Where the scan was measured and photographed from, within the scene.
+    pub stations: Vec<PlacedStation>,
 }
 
 impl Scene {
@@ -71,13 +73,21 @@ impl Scene {
         let margin = if is_all { 0.0 } else { MARGIN };
         let bounds = exact(&files, &around, margin, is_all_noise);
         samples.retain(|&p| bounds.contains(p));
-        (Self { bounds, samples, num_points: num_scene_points }, warnings)
+        let of_file = |file: &ScanFile| -> Vec<PlacedStation> {
+            file.stations.iter().filter_map(|station| station.placed(&file.world_from_file)).collect()
+        };
+        let mut stations: Vec<PlacedStation> = scan.files.iter().flat_map(of_file).collect();
+        // Scanners and cameras stand at the edge of what they see, and drones above it.
+        let reach = bounds.grown(bounds.edge());
+        stations.retain(|station| reach.contains(station.p_in_world));
+        (Self { bounds, samples, num_points: num_scene_points, stations }, warnings)
     }
 
     /// The scene of points of which all are samples.
     #[must_use]
     pub fn around(samples: Vec<DVec3>) -> Self {
-        Self { bounds: Bounds::around(&samples), num_points: samples.len() as u64, samples }
+        let stations = Vec::new();
+        Self { bounds: Bounds::around(&samples), num_points: samples.len() as u64, samples, stations }
     }
 
     /// The part of the scene whose samples are kept.
@@ -85,7 +95,9 @@ impl Scene {
     pub fn part(&self, is_kept: impl Fn(&DVec3) -> bool) -> Self {
         let samples: Vec<DVec3> = self.samples.iter().filter(|p| is_kept(p)).copied().collect();
         let points_per_sample = self.num_points as f64 / self.samples.len().max(1) as f64;
-        Self { num_points: (points_per_sample * samples.len() as f64) as u64, ..Self::around(samples) }
+        let part = Self::around(samples);
+        let num_points = (points_per_sample * part.samples.len() as f64) as u64;
+        Self { num_points, stations: self.stations.clone(), ..part }
     }
 
     /// The values along an axis below which a quarter, half and three quarters of the scene's points are; `None` if it

@@ -3,6 +3,7 @@
 use super::PointsRead;
 use super::chunks::{self, Chunks, LazChunk, TABLE_POSITION_BYTES};
 use super::codec::{self, Codec, Wanted};
+use super::copc::{self, CopcInfo};
 use super::extra::Extra;
 use super::header::LasHeader;
 use super::record::Layout;
@@ -26,6 +27,8 @@ const MOST_NAMED: usize = 5;
 pub(super) struct Laz {
     codec: Codec,
     chunking: Chunking,
+    /// True if the chunks are nodes of an octree, and where that is described, if it is.
+    copc: Option<Option<CopcInfo>>,
 }
 
 /// How the points are cut into chunks.
@@ -63,7 +66,12 @@ impl Laz {
             }
         };
         let codec = Codec::new(vlr.items().clone()).map_err(|reason| format!("{reason}; {advice}"))?;
-        Ok(Self { codec, chunking })
+        Ok(Self { codec, chunking, copc: None })
+    }
+
+    /// The same of a COPC file, whose info record has this payload.
+    pub fn of_copc(self, payload: &[u8]) -> Self {
+        Self { copc: Some(CopcInfo::parse(payload)), ..self }
     }
 
     /// Bytes of a decompressed record.
@@ -101,10 +109,29 @@ impl Laz {
             Chunking::Fixed(size) => Some(size),
             Chunking::Variable => None,
         };
-        match chunks::find(source, &self.codec, offset, chunk_points, header.announced_points)? {
-            Chunks::Listed(chunks) => self.read_chunks(&reading, take, &chunks),
+        let found = chunks::find(source, &self.codec, offset, chunk_points, header.announced_points)?;
+        let (found, sentence) = match self.copc {
+            Some(info) => copc::in_order(source, header, info, found)?,
+            None => (found, None),
+        };
+        let mut outcome = self.read_found(&reading, take, found, (offset, chunk_points))?;
+        outcome.warnings.extend(sentence);
+        Ok(outcome)
+    }
+
+    /// Reads the chunks that were found, or what is there without them.
+    fn read_found(
+        &self,
+        reading: &Reading,
+        take: &mut Take,
+        found: Chunks,
+        (offset, chunk_points): (u64, Option<u32>),
+    ) -> Result<PointsRead, ScanError> {
+        let source = reading.source;
+        match found {
+            Chunks::Listed(chunks) => self.read_chunks(reading, take, &chunks),
             Chunks::Followed(chunks, reason) => {
-                let mut outcome = self.read_chunks(&reading, take, &chunks)?;
+                let mut outcome = self.read_chunks(reading, take, &chunks)?;
                 let (num, were) =
                     (counted(chunks.len(), "whole chunk"), agreeing(chunks.len(), "was", "were"));
                 outcome.warnings.push(format!("{reason}; {num} {were} found without it"));
@@ -118,7 +145,7 @@ impl Laz {
                     return Err(ScanError::Compression { path: source.path().to_owned(), reason });
                 };
                 let mut outcome =
-                    self.read_serially(&reading, take, offset + TABLE_POSITION_BYTES, Some(size))?;
+                    self.read_serially(reading, take, offset + TABLE_POSITION_BYTES, Some(size))?;
                 outcome.warnings.push(format!("{reason}; it was read on one core instead of all"));
                 Ok(outcome)
             }

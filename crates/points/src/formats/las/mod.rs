@@ -1,7 +1,10 @@
-//! LAS 1.0–1.4, point formats 0–10, plain or compressed (LAZ, and COPC, which is LAZ in a certain order).
+//! LAS 1.0–1.4, point formats 0–10, plain or compressed (LAZ, and COPC, which is LAZ whose chunks are an octree).
 
 mod chunks;
 mod codec;
+mod copc;
+#[cfg(test)]
+mod copc_tests;
 mod extra;
 mod header;
 mod laz;
@@ -9,11 +12,11 @@ mod raw;
 mod record;
 mod vlr;
 
-use super::{Candidate, Dataset, Format, Take};
+use super::{Candidate, Dataset, Format, OpenHints, Take};
 use crate::block::Trailer;
 use crate::crs::{self, Crs};
 use crate::source::Source;
-use crate::{Header, Projection, ScanError, Schema};
+use crate::{Grid, Header, Projection, ScanError, Schema};
 use base::task::Progress;
 use base::words::counted;
 use header::LasHeader;
@@ -27,7 +30,12 @@ pub(super) struct Las;
 
 impl Format for Las {
     fn names(&self) -> &'static [&'static str] {
-        &["LAS", "LAZ"]
+        &["LAS", "LAZ", "COPC"]
+    }
+
+    fn endings(&self) -> Option<&'static [&'static str]> {
+        // COPC files end in .copc.laz.
+        Some(&["las", "laz"])
     }
 
     fn sidecars(&self) -> &'static [&'static str] {
@@ -39,7 +47,7 @@ impl Format for Las {
         candidate.head.starts_with(b"LASF")
     }
 
-    fn open(&self, path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
+    fn open(&self, path: &Path, _: &OpenHints) -> Result<Box<dyn Dataset>, ScanError> {
         let source = Source::open(path)?;
         let las = LasHeader::read(&source)?;
         let vlrs = vlr::read_all(&source, &las)?;
@@ -58,6 +66,14 @@ impl Format for Las {
     }
 }
 
+/// The grid that a file's header states.
+///
+/// # Errors
+/// It cannot be read, or has no readable header.
+pub(super) fn grid(source: &Source) -> Result<Grid, ScanError> {
+    Ok(LasHeader::read(source)?.grid)
+}
+
 /// How the points are stored.
 enum Packing {
     Raw,
@@ -68,7 +84,13 @@ impl Packing {
     fn of(source: &Source, las: &LasHeader, vlrs: &[Vlr]) -> Result<Self, ScanError> {
         let fail = |reason| ScanError::Compression { path: source.path().to_owned(), reason };
         match (vlr::payload(vlrs, VlrKind::Laszip), las.compressed) {
-            (Some(payload), true) => Ok(Self::Laz(Box::new(Laz::parse(payload).map_err(fail)?))),
+            (Some(payload), true) => {
+                let laz = Laz::parse(payload).map_err(fail)?;
+                Ok(Self::Laz(Box::new(match vlr::payload(vlrs, VlrKind::Copc) {
+                    Some(payload) => laz.of_copc(payload),
+                    None => laz,
+                })))
+            }
             (None, true) => {
                 let reason = "the record that says how (\"laszip encoded\") is missing; get the file again";
                 Err(fail(reason.to_owned()))

@@ -1,7 +1,8 @@
 //! The header of a PLY file: lines of text that say how the rest is written.
 
-use super::value::{Scalar, number};
+use super::value::Scalar;
 use crate::ScanError;
+use crate::formats::number::number;
 use crate::source::Source;
 use base::words::counted;
 

@@ -22,7 +22,7 @@ mod text;
 mod value;
 mod window;
 
-use super::{Candidate, Dataset, Format, Take};
+use super::{Candidate, Dataset, Format, OpenHints, Take, rows as rows_of_text};
 use crate::block::Trailer;
 use crate::column::Type;
 use crate::source::Source;
@@ -57,7 +57,7 @@ impl Format for Ply {
         is_ply && text.get(3).is_none_or(u8::is_ascii_whitespace)
     }
 
-    fn open(&self, path: &Path) -> Result<Box<dyn Dataset>, ScanError> {
+    fn open(&self, path: &Path, _: &OpenHints) -> Result<Box<dyn Dataset>, ScanError> {
         let source = Source::open(path)?;
         let ply = PlyHeader::read(&source)?;
         let mut choices = vec![readers(&source, &ply, 0)?];
@@ -421,9 +421,7 @@ impl PlyFile {
 /// A sentence about text that is no row.
 fn bad_rows<S>(body: &Body<S>) -> Option<String> {
     let (num_rows, first) = (body.num_bad_rows, body.first_bad_row.as_ref()?);
-    let (lines, were) =
-        (counted(num_rows, "line"), agreeing(num_rows, "was left out:", "were left out, first"));
-    Some(format!("has {lines} that could not be read and {were} {first}"))
+    Some(rows_of_text::bad_rows(num_rows, first))
 }
 
 /// Sentences about rows that could be read and are of no use.

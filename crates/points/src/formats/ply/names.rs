@@ -6,23 +6,6 @@ use super::value::Scalar;
 
 /// Names of coordinates.
 pub(super) const PLACE: [&str; 3] = ["x", "y", "z"];
-/// Names of the coordinates of normals.
-pub(super) const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// Names of red, green and blue; the first three that a file has count.
-pub(super) const RGB: [[&str; 3]; 12] = [
-    ["red", "green", "blue"],
-    ["r", "g", "b"],
-    ["diffuse_red", "diffuse_green", "diffuse_blue"],
-    ["scalar_red", "scalar_green", "scalar_blue"],
-    ["scalar_r", "scalar_g", "scalar_b"],
-    ["scalar_rf", "scalar_gf", "scalar_bf"],
-    ["vertex_red", "vertex_green", "vertex_blue"],
-    ["color_red", "color_green", "color_blue"],
-    ["color_r", "color_g", "color_b"],
-    ["colorr", "colorg", "colorb"],
-    ["rf", "gf", "bf"],
-    ["ambient_red", "ambient_green", "ambient_blue"],
-];
 /// Names of the colors of Gaussian splats: constant terms of spherical harmonics.
 pub(super) const HARMONICS: [&str; 3] = ["f_dc_0", "f_dc_1", "f_dc_2"];
 /// Names of a color in a list of red, green, blue and perhaps alpha.
@@ -30,26 +13,6 @@ pub(super) const LISTED_RGB: [&str; 8] =
     ["rgb", "rgba", "color", "colors", "colour", "colours", "vertex_color", "face_color"];
 /// Names of a color in one value of 32 bits.
 pub(super) const PACKED_RGB: [&str; 2] = ["rgb", "rgba"];
-/// Names of intensity, the likeliest first.
-const INTENSITY: [&str; 15] = [
-    "intensity",
-    "scalar_intensity",
-    "reflectance",
-    "scalar_reflectance",
-    "reflectivity",
-    "amplitude",
-    "i",
-    "scalar_i",
-    "scalar_scalar_field",
-    "gray",
-    "grey",
-    "grayvalue",
-    "greyvalue",
-    "luminance",
-    "scalar_gray",
-];
-/// Parts of names that only an intensity has.
-const INTENSITY_PARTS: [&str; 4] = ["intensit", "reflect", "amplitude", "remission"];
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
 /// Names of the box of a compressed splat's chunk: positions, then colors, which older files do not have.
@@ -85,18 +48,13 @@ pub(super) fn find(element: &Element, name: &str) -> Option<(usize, Scalar)> {
 
 /// Index and type of the value that is an intensity.
 pub(super) fn intensity(element: &Element) -> Option<(usize, Scalar)> {
-    let by_part = || {
-        element.properties.iter().enumerate().find_map(|(at, property)| match property.kind {
-            PropertyType::Value(kind) => {
-                let name = property.name.to_ascii_lowercase();
-                INTENSITY_PARTS.iter().any(|part| name.contains(part)).then_some((at, kind))
-            }
-            PropertyType::List(..) => None,
-        })
-    };
-    let (likely, unlikely) = INTENSITY.split_at(6);
-    let by_name = |names: &[&str]| names.iter().find_map(|name| find(element, name));
-    by_name(likely).or_else(by_part).or_else(|| by_name(unlikely))
+    let values = element.properties.iter().enumerate().filter_map(|(at, property)| match property.kind {
+        PropertyType::Value(kind) => Some((at, kind, property.name.as_str())),
+        PropertyType::List(..) => None,
+    });
+    let values: Vec<(usize, Scalar, &str)> = values.collect();
+    let names: Vec<&str> = values.iter().map(|(.., name)| *name).collect();
+    crate::formats::names::intensity(&names).map(|number| (values[number].0, values[number].1))
 }
 
 /// True for properties that splats have by the dozen and points do not need.

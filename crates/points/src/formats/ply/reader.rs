@@ -2,11 +2,11 @@
 
 use super::header::{Element, Property, PropertyType};
 use super::names::{
-    self, CHUNK, HARMONICS, LISTED_RGB, NORMAL, NamedScalar, PACKED_RGB, PLACE, RGB, find, intensity,
-    is_of_splats,
+    self, CHUNK, HARMONICS, LISTED_RGB, NamedScalar, PACKED_RGB, PLACE, find, intensity, is_of_splats,
 };
 use super::value::{Scalar, Values};
 use crate::column::Number;
+use crate::formats::names::{NORMAL, RGB};
 use crate::{Attribute, Projection};
 use std::ops::Range;
 

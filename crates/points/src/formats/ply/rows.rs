@@ -7,6 +7,7 @@ use super::reader::{Color, Intensity, RowValues, SLOT_INTENSITY, SLOT_NORMAL};
 use crate::Attribute;
 use crate::block::Block;
 use crate::column::{Column, Type};
+use crate::formats::measured::unit;
 use crate::grid::{self, FittedGrid};
 use crate::stats::Stats;
 use std::collections::TryReserveError;
@@ -236,28 +237,5 @@ impl RowSink for Rows<'_> {
     fn progress(num_points: u64) -> u64 {
         // The survey counts the other half.
         num_points - num_points / 2
-    }
-}
-
-/// Scales a direction to length 1; NaN where it is none.
-fn unit(v: [f64; 3]) -> [f32; 3] {
-    let v = glam::DVec3::from_array(v);
-    // The vector is scaled first, because the square of its length need not be finite.
-    let v = v / v.abs().max_element();
-    (v / v.length()).as_vec3().to_array()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn normals_have_unit_length_or_are_none() {
-        assert_eq!(unit([0.0, -3.0, 4.0]), [0.0, -0.6, 0.8]);
-        assert_eq!(unit([1e200, 0.0, 0.0]), [1.0, 0.0, 0.0]);
-        assert_eq!(unit([0.0, 1e-300, 0.0]), [0.0, 1.0, 0.0]);
-        for none in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 0.0, 0.0]] {
-            assert!(unit(none)[0].is_nan(), "{none:?}");
-        }
     }
 }

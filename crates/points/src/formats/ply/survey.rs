@@ -3,6 +3,7 @@
 use super::body::RowSink;
 use super::point::{Meaning, SplatBox};
 use super::reader::{Color, Intensity, Opacity, RowValues, SLOT_INTENSITY, SLOT_OPACITY, SLOT_RGB};
+use crate::formats::measured::{both, count_channels};
 use crate::grid;
 use base::space::Bounds;
 use glam::DVec3;
@@ -114,11 +115,7 @@ impl RowSink for Survey<'_> {
             found.opacity = both(found.opacity, (row.values[SLOT_OPACITY], row.values[SLOT_OPACITY]));
         }
         if self.meaning.has.color == Color::Floats {
-            for &channel in &row.values[SLOT_RGB] {
-                found.channels[0] += u64::from(0.0 < channel && channel < 1.0);
-                found.channels[1] += u64::from(channel > 1.0);
-                found.channels[2] += u64::from(channel > 255.0);
-            }
+            count_channels(&mut found.channels, row.three(SLOT_RGB));
         }
         if self.meaning.has.intensity != Intensity::Absent && row.values[SLOT_INTENSITY].is_finite() {
             let value = row.values[SLOT_INTENSITY];
@@ -140,11 +137,6 @@ impl RowSink for Survey<'_> {
     fn progress(num_points: u64) -> u64 {
         num_points / 2
     }
-}
-
-/// The range that covers two ranges.
-fn both(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
-    (a.0.min(b.0), a.1.max(b.1))
 }
 
 /// The pass before the survey of compressed splats, which collects the boxes of their chunks.

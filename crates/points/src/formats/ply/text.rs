@@ -10,6 +10,7 @@ use super::reader::{Purpose, RowReader, RowValues};
 use super::value::{Words, parts_words, without_blanks};
 use super::window::{self, TextWindow, is_blank};
 use crate::ScanError;
+use crate::formats::number::number;
 use crate::source::Source;
 use base::task::{Cancelled, Progress};
 use rayon::prelude::*;
@@ -308,7 +309,7 @@ fn read_exactly(reader: &RowReader, line: &[u8], row: &mut RowValues) -> Option<
     }
     let mut is_wordy = false;
     while let Some(word) = words.word() {
-        is_wordy |= super::value::number(word).is_none();
+        is_wordy |= number(word).is_none();
     }
     is_wordy.then_some(false)
 }

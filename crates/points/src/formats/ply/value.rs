@@ -1,6 +1,7 @@
 //! The numbers of a PLY file: their types, and how they stand in bytes and in text.
 
 use crate::column::{self, Number};
+use crate::formats::number::{number, packed_bits, plain_number};
 use std::io::{self, BufRead};
 
 /// Type of a single value, which PLY calls scalar.
@@ -141,20 +142,13 @@ impl<B: ByteValues> Values for B {
         match kind {
             // The bits are taken as they stand: as a float they may be a NaN, whose bits a conversion may change.
             Scalar::Float | Scalar::Int | Scalar::UInt => Some(u32::from_le_bytes(self.little()?)),
-            _ => self.value(kind).map(|value| packed_bits(value, kind)),
+            _ => self.value(kind).map(|value| packed_bits(value, kind.is_float())),
         }
     }
 
     fn skip(&mut self, _: u64, num_bytes: u64) -> Option<()> {
         self.skip_bytes(num_bytes)
     }
-}
-
-/// The 32 bits that a number stands for. A float between 1 and 2³² is a whole number that was converted: as bits it
-/// would have a nonsensical first byte.
-fn packed_bits(value: f64, kind: Scalar) -> u32 {
-    let is_number = !kind.is_float() || value == 0.0 || (1.0..=f64::from(u32::MAX)).contains(&value);
-    if is_number { value as i64 as u32 } else { (value as f32).to_bits() }
 }
 
 /// Values in bytes that come one after the other.
@@ -269,7 +263,7 @@ impl Values for Words<'_> {
     #[inline]
     fn value(&mut self, _: Scalar) -> Option<f64> {
         self.0 = without_blanks(self.0);
-        if let Some((value, rest)) = plain_number(self.0) {
+        if let Some((value, rest)) = plain_number(self.0, b'.', parts_words) {
             self.0 = rest;
             return Some(value);
         }
@@ -286,68 +280,11 @@ impl Values for Words<'_> {
     }
 
     fn bits(&mut self, kind: Scalar) -> Option<u32> {
-        self.value(kind).map(|value| packed_bits(value, kind))
+        self.value(kind).map(|value| packed_bits(value, kind.is_float()))
     }
 
     fn skip(&mut self, num_values: u64, _: u64) -> Option<()> {
         (0..num_values).try_for_each(|_| self.word().map(|_| ()))
-    }
-}
-
-/// Most digits behind the point of a plain number: a f64 holds powers of ten up to this exactly.
-const MOST_DECIMALS: usize = 22;
-/// Powers of ten by their exponents.
-const POWERS_OF_TEN: [f64; MOST_DECIMALS + 1] = [
-    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
-    1e19, 1e20, 1e21, 1e22,
-];
-
-/// The number that a text starts with, and the rest behind it, if it is as plain as nearly all are: digits, perhaps
-/// with a point, that make a whole number of at most 2⁵³. It is then a quotient of two exact numbers, so correctly
-/// rounded.
-#[inline]
-fn plain_number(text: &[u8]) -> Option<(f64, &[u8])> {
-    let digits = text.strip_prefix(b"-").unwrap_or(text);
-    let (mut whole, mut num_digits, mut point) = (0u64, 0, None);
-    let mut end = digits.len();
-    for (at, byte) in digits.iter().enumerate() {
-        match byte {
-            b'0'..=b'9' => {
-                whole = whole.wrapping_mul(10).wrapping_add(u64::from(byte - b'0'));
-                num_digits += 1;
-            }
-            b'.' if point.is_none() => point = Some(at),
-            _ if parts_words(byte) => {
-                end = at;
-                break;
-            }
-            _ => return None,
-        }
-    }
-    let num_decimals = point.map_or(0, |point| end - point - 1);
-    // 19 digits are less than 2⁶⁴.
-    if !(1..=19).contains(&num_digits) || whole > 1 << 53 || num_decimals > MOST_DECIMALS {
-        return None;
-    }
-    let value = whole as f64 / POWERS_OF_TEN[num_decimals];
-    Some((if digits.len() < text.len() { -value } else { value }, &digits[end..]))
-}
-
-/// Replaces the exponent letter of Fortran's double and quadruple precision by an e: 1.0D+00 becomes 1.0e+00.
-fn of_fortran(word: &str) -> String {
-    word.replacen(['D', 'd', 'Q', 'q'], "e", 1)
-}
-
-/// Parses a word as a number.
-pub(super) fn number(word: &[u8]) -> Option<f64> {
-    let word = std::str::from_utf8(word).ok()?;
-    // A comma may stand before the blanks between numbers.
-    let word = word.strip_suffix(',').unwrap_or(word);
-    match word.parse().or_else(|_| of_fortran(word).parse()) {
-        Ok(value) => Some(value),
-        // "-nan(ind)", "1.#QNAN", "-1.#INF": what C libraries print where there is no number.
-        Err(_) if word.contains('#') || word.to_ascii_lowercase().contains("nan") => Some(f64::NAN),
-        Err(_) => None,
     }
 }
 
