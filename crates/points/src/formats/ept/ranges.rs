@@ -2,6 +2,7 @@
 
 use super::dims::{DimCell, Dims, is_whole};
 use crate::column::Number;
+use crate::formats::measured::{both, intensity_ramp};
 use crate::grid::is_place;
 use base::space::Bounds;
 use glam::DVec3;
@@ -58,7 +59,7 @@ impl Ranges {
             }
             let value = intensity.map(|cell| cell.number(record).as_f64()).filter(|value| value.is_finite());
             if let Some(value) = value {
-                ranges.intensity = (ranges.intensity.0.min(value), ranges.intensity.1.max(value));
+                ranges.intensity = both(ranges.intensity, (value, value));
             }
         }
         ranges
@@ -75,9 +76,9 @@ impl Ranges {
                 number % 2 == 0
             });
         }
-        let both = |a: [i128; 2], b: [i128; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-        self.steps = self.steps.zip(other.steps).map(|(a, b)| [0, 1, 2].map(|axis| both(a[axis], b[axis])));
-        self.intensity = (self.intensity.0.min(other.intensity.0), self.intensity.1.max(other.intensity.1));
+        let cover = |a: [i128; 2], b: [i128; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        self.steps = self.steps.zip(other.steps).map(|(a, b)| [0, 1, 2].map(|axis| cover(a[axis], b[axis])));
+        self.intensity = both(self.intensity, other.intensity);
         self
     }
 
@@ -88,18 +89,8 @@ impl Ranges {
         steps.iter().all(fits).then(|| steps.map(|[low, high]| (low + high) / 2))
     }
 
-    /// The number that is subtracted from intensities, and the factor that they are then multiplied by: whole numbers
-    /// stay if 16 bits hold them, others are spread so that the smallest becomes 0 and the largest 65535.
+    /// What is subtracted from intensities, and the factor that they are then multiplied by.
     pub fn intensity_ramp(&self) -> (f64, f64) {
-        let (low, high) = self.intensity;
-        if self.is_whole && low >= 0.0 && high <= 65535.0 {
-            (0.0, 1.0)
-        } else if low < high {
-            // The ends are halved first, because their difference need not be finite.
-            (low, 32767.5 / (0.5 * high - 0.5 * low))
-        } else {
-            // An intensity that is the same everywhere says nothing.
-            (low, 0.0)
-        }
+        intensity_ramp(self.intensity, self.is_whole)
     }
 }
